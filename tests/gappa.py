@@ -330,7 +330,7 @@ for name in 'max', 'abs', 'max_abs', 'max4', 'abs4':
     ENV['pbw__' + name] = same
 ENV['pbw__sqrt4'] = lambda x: Value(x.k + U, 1)          # of a value of scale 1; its root errs by less
 ENV['PBW__CORNER_A'] = ENV['PBW__CORNER_B'] = ENV['PBW__CORNER_C'] = same
-for name in re.findall(r'#define (PBW__\w+_ERROR)', TEXT) + ['PBW__EPSILON']:
+for name in re.findall(r'#define (PBWL?__\w+_ERROR)', TEXT) + ['PBW__EPSILON']:
     ENV[name] = constant(name)
 ENV['PBW__GHOST'] = 0
 
@@ -563,44 +563,44 @@ def centres():
 
 def apexes():
     """The planes of >>apex, by which >>verify judges facets too, and what its vectors are certain of."""
-    least = literal('pbw__plane_of', r'height = ([-\d.e]+)')
-    define('pbw__row_dot', 'pbw__side_limit', 'pbw__conflict_limit')
+    least = literal('pbwl__plane_of', r'height = ([-\d.e]+)')
+    define('pbwl__row_dot', 'pbwl__side_limit', 'pbwl__conflict_limit')
     for dim in (2, 3):
         plane, row = Rows(), [None] * 4
         plane.origin, plane.normal = [Number(1)] * dim + [Number(0)], [None] * 3
         local = dict(plane=plane, x=plane.origin, dim=dim, row=row)
-        h = run('pbw__plane_row', local, ['k', 'weight', 'square', 'row[k]', 'row[dim]', 'return'])[0]
+        h = run('pbwl__plane_row', local, ['k', 'weight', 'square', 'row[k]', 'row[dim]', 'return'])[0]
         scaled(row[dim], h)
         rows, scale = dict(a=row, b=row, c=row, dim=dim), least * (root(least) if dim == 3 else 1)
         cross = normal = [None] * 3
         if dim == 2:
-            run('pbw__facet_normal', dict(rows, normal=normal), ['normal[0]', 'normal[1]'])
+            run('pbwl__facet_normal', dict(rows, normal=normal), ['normal[0]', 'normal[1]'])
             names = ['plane.normal[0]', 'plane.normal[1]', 'return']
         else:
-            run('pbw__cross_row', dict(rows, x=cross), ['x[0]', 'x[1]', 'x[2]'])
+            run('pbwl__cross_row', dict(rows, x=cross), ['x[0]', 'x[1]', 'x[2]'])
             names = ['k', 'plane.normal[k]']
         local = dict(rows, plane=plane, normal=normal, ac=cross, ba=cross)
-        run('pbw__plane_set', local, ['plane.orientation'] + names)
+        run('pbwl__plane_set', local, ['plane.orientation'] + names)
         plane.height = h
-        prove('pbw__plane_of %d' % dim, plane.orientation, ENV['pbw__side_limit'](h, dim), scale, True)
-        side = ENV['pbw__row_dot'](row, normal, dim)
-        prove('pbw__rim_apex %d' % dim, side, ENV['pbw__side_limit'](h, dim), scale, True)
-        local = run('pbw__plane_conflict', dict(plane=plane, row=row + [h], dim=dim), ['det', 'limit'])[1]
-        prove('pbw__plane_conflict %d' % dim, local['det'], local['limit'], least * scale, True)
+        prove('pbwl__plane_of %d' % dim, plane.orientation, ENV['pbwl__side_limit'](h, dim), scale, True)
+        side = ENV['pbwl__row_dot'](row, normal, dim)
+        prove('pbwl__facet_apex %d' % dim, side, ENV['pbwl__side_limit'](h, dim), scale, True)
+        local = run('pbwl__plane_conflict', dict(plane=plane, row=row + [h], dim=dim), ['det', 'limit'])[1]
+        prove('pbwl__plane_conflict %d' % dim, local['det'], local['limit'], least * scale, True)
 
 
 def ears():
-    plane, row, name = Rows(), [None] * 4, 'pbw__ear_spans'
+    plane, row, name = Rows(), [None] * 4, 'pbwl__ear_spans'
     plane.origin = [Number(1)] * 3 + [Number(0)]
     local = dict(plane=plane, x=plane.origin, dim=3, row=row)
-    height = run('pbw__plane_row', local, ['k', 'weight', 'square', 'row[k]', 'row[dim]', 'return'])[0]
+    height = run('pbwl__plane_row', local, ['k', 'weight', 'square', 'row[k]', 'row[dim]', 'return'])[0]
     scaled(row[3], height)
     spare = (height - row[3]) - row[3]                   # it makes up for what a height has more than the lift
     spare.P = Fraction(0)
     names = [c + d for c, d in ('ab', 'ac', 'ad', 'bc', 'bd', 'cd')] + ['abc', 'abd', 'acd', 'bcd', 'h', 'h3']
     local = run(name, dict(a=row, b=row, c=row, d=row, spare=spare),
                 names + ['side', 'side_error', 'power', 'power_error'])[1]
-    least = literal('pbw__list_ears', r'spare = ([-\d.e]+)')
+    least = literal('pbwl__list_ears', r'spare = ([-\d.e]+)')
     prove(name + ' side', local['side'], local['side_error'], least * root(least))
     prove(name + ' power', local['power'], local['power_error'], least ** 2 * root(least))
     # t = P / Q, computed as p / q, with errors of at most e and f <= q / LEAST, is at most (e + t f) / (q - f) from
@@ -615,7 +615,7 @@ def ears():
 
 def depths():
     define('pbw__dot4')
-    name = 'pbw__depths4'
+    name = 'pbwl__depths4'
     least = literal(name, r'pbw__splat\((1e-[-\d.e]+)\)')
     for dim in (2, 3):
         r = vectors(dim)
@@ -630,10 +630,10 @@ def depths():
         power, below = r.height * r.height, least ** dim
         power = power * r.height if dim == 3 else power
         for i in 0, dim:
-            prove('pbw__depths4 %d H%d' % (dim, i), H[i], power * ENV['PBW__DEPTH%d_ERROR' % dim], below)
-        power = power * constant('PBW__DEPTH%d_LEAST' % dim)
-        prove('pbw__depths4 %d V' % dim, side, power * constant('PBW__DEPTH_V_ERROR') ** 2, root(below), True)
-    number = [Fraction(constant('PBW__DEPTH_' + c)) for c in ('V_ERROR', 'ERROR', 'LOST', 'MOST')]
+            prove('pbwl__depths4 %d H%d' % (dim, i), H[i], power * ENV['PBWL__DEPTH%d_ERROR' % dim], below)
+        power = power * constant('PBWL__DEPTH%d_LEAST' % dim)
+        prove('pbwl__depths4 %d V' % dim, side, power * constant('PBWL__DEPTH_V_ERROR') ** 2, root(below), True)
+    number = [Fraction(constant('PBWL__DEPTH_' + c)) for c in ('V_ERROR', 'ERROR', 'LOST', 'MOST')]
     for tenth in '', ', a tenth of the bound':
         # of V and the exact V, v times as large; x = v or -v, the quotient 1 / V and their product are rounded
         for sign in 1, -1:
@@ -641,8 +641,8 @@ def depths():
                     'r = add_rel<24>(add_rel<53>(d, -mul_rel<53>(|d|, %s)), 0);\n'
                     '{ v - 1 in [-%s, %s] -> r <= %d }\nv -> 1 + (v - 1);\n'
                     % (sign, g(rounded(number[1], math.floor)), g(up(number[0])), g(up(number[0])), sign))
-            judge('pbw__depths_of %d' % sign, gappa(text), tenth)
-        judge('pbw__depths_of lost', gappa('{ H in [0, %s] -> 37 * H * 1b-1075 + 1b-150 <= %s }'
+            judge('pbwl__depths_of %d' % sign, gappa(text), tenth)
+        judge('pbwl__depths_of lost', gappa('{ H in [0, %s] -> 37 * H * 1b-1075 + 1b-150 <= %s }'
                                              % (g(up(number[3])), g(rounded(number[2], math.floor)))), tenth)
         number[1], number[2] = number[1] / 10, number[2] / 10
 

@@ -839,9 +839,9 @@ static void test_wrong(void)
    verdict by depths, and checks these with the exact signs. */
 static size_t depths_verdicts(pbw_live *live, double scale)
 {
-    pbw__core *core = &live->core;
+    pbwl__core *core = &live->core;
     const size_t fours = core->store.count / 4 * 4, dim = (size_t)live->dim;
-    pbw__verifying verifying;
+    pbwl__verifying verifying;
     size_t t, k, verdicts = 0, wrong = 0;
     float *depth = (float *)malloc(4 * core->store.count * sizeof(float) + 1);
     memset(&verifying, 0, sizeof verifying);
@@ -853,17 +853,17 @@ static size_t depths_verdicts(pbw_live *live, double scale)
         for (k = 0; k < 4; k++) {
             slot[k] = (pbw_index)(t + k);
         }
-        pbw__depths(&verifying, slot, 4, depth + 4 * t);
+        pbwl__depths(&verifying, slot, 4, depth + 4 * t);
         for (k = 0; k < 4; k++) {
             const float first = depth[4 * (t + k)];
-            wrong += first == first && pbw__slot_side(core, t + k, live->dim + 1, NULL) <= 0;
+            wrong += first == first && pbwl__slot_side(core, t + k, live->dim + 1, NULL) <= 0;
         }
     }
     for (t = 0; t < fours; t++) {
         for (k = 0; k <= dim && core->kernel.corner[4 * t] != PBW_NONE; k++) {
             const pbw__link across = core->kernel.link[4 * t + k];
             if (depth[4 * t + k] + depth[across] > 0) {
-                const double *far = pbw__core_record(core, core->kernel.corner[across]);
+                const double *far = pbwl__core_record(core, core->kernel.corner[across]);
                 verdicts++;
                 wrong += (size_t)pbw__simplex_conflict(&core->kernel, (pbw_index)t, far);
             }

@@ -11,8 +11,8 @@ static void pause_a_while(void);
 #define PBW_IMPLEMENTATION
 #define PBW_LIVE_IMPLEMENTATION
 static double verify_at;
-#define PBW__REBUILD_AT(dim) (1e9)
-#define PBW__VERIFY_AT(dim) verify_at
+#define PBWL__REBUILD_AT(dim) (1e9)
+#define PBWL__VERIFY_AT(dim) verify_at
 #define CHOOSE_WAY(turn) (verify_at = ((turn) & 1) != 0 ? 0.0 : 1e9)
 #define THREADS 3
 #include "test_live.c"

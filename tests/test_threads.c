@@ -637,7 +637,7 @@ static void test_wide_flips(void)
     pbw__context context;
     pbw_mesh mesh;
     pbw_live *live;
-    pbw__core *core, old;
+    pbwl__core *core, old;
     size_t slots, i, t, flipped = 0, wrong = 0;
     unsigned k;
     if (!test_begin("flips in slots beyond 2^30")) {
@@ -668,12 +668,12 @@ static void test_wide_flips(void)
     pbw__context_start(&context, &live->options, 0);
     context.memory = live->memory;
     core->kernel.context = &context;
-    CHECK(pbw__grow_lists(&core->kernel, 100) && PBW__CORE_GROW(core, edge, 1));
+    CHECK(pbw__grow_lists(&core->kernel, 100) && PBWL__CORE_GROW(core, edge, 1));
     for (t = base; t < base + slots && flipped == 0; t++) {
         const pbw_index *v = core->kernel.corner + 4 * t;
         for (k = 0; k < 3 && v[0] != PBW_NONE && v[2] != PBW__GHOST && flipped == 0; k++) {
             const size_t u = (size_t)(core->kernel.link[4 * t + k] >> 2);
-            if (core->kernel.corner[4 * u + 2] != PBW__GHOST && pbw__flip(core, t, k) == PBW_OK) {
+            if (core->kernel.corner[4 * u + 2] != PBW__GHOST && pbwl__flip(core, t, k) == PBW_OK) {
                 unsigned edge;
                 for (edge = 0; edge < 3; edge++) {
                     if ((size_t)(core->kernel.link[4 * t + edge] >> 2) == u) {
@@ -681,7 +681,7 @@ static void test_wide_flips(void)
                     }
                 }
                 flipped++;
-                CHECK_EQUAL(pbw__flip_all(core, 1, 100), PBW_OK);
+                CHECK_EQUAL(pbwl__flip_all(core, 1, 100), PBW_OK);
             }
         }
     }
@@ -693,7 +693,7 @@ static void test_wide_flips(void)
             const pbw_index far = core->kernel.corner[back];
             wrong += core->kernel.link[back] != i;
             wrong += far != PBW__GHOST && core->kernel.corner[4 * s + 2] != PBW__GHOST
-                  && pbw__simplex_conflict(&core->kernel, (pbw_index)s, pbw__core_record(core, far));
+                  && pbw__simplex_conflict(&core->kernel, (pbw_index)s, pbwl__core_record(core, far));
         }
     }
     CHECK_EQUAL(wrong, 0);

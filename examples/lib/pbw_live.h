@@ -87,7 +87,7 @@ typedef enum pbw_way {                     /* how a commit was carried out, whic
     PBW_WAY_NOTHING,                       /* no simplex changed */
     PBW_WAY_FLIPS,                         /* edges were flipped, in the plane */
     PBW_WAY_BATCH,                         /* points were taken out and put in, one by one */
-    PBW_WAY_REBUILD                        /* all was triangulated anew */
+    PBW_WAY_REBUILD                        /* all was triangulated again */
 } pbw_way;
 
 typedef struct pbw_changes {               /* start from {0}; pbw_changes_free when done */
@@ -114,8 +114,8 @@ PBWDEF void pbw_live_free(pbw_live *live);         /* fine on NULL */
    insert: ids (may be NULL) gets the numbers of the new points.  weights NULL: 0 each.  From the first weights on the
    triangulation is a regular one.
    remove: no number twice.
-   move: ids NULL: all points, count is the number of all numbers (mesh.point_count), and what stands at a number that
-   is free is not read.  Of a number given twice the last point counts.  Weights stay. */
+   move: ids NULL: all points; count is the number of all numbers (mesh.point_count), and entries of unused numbers
+   are ignored.  If a number occurs twice, its last point is used.  Weights stay. */
 PBWDEF pbw_status pbw_live_insert(pbw_live *live, const double *points, const double *weights, size_t count,
                                   pbw_index *ids);
 PBWDEF pbw_status pbw_live_remove(pbw_live *live, const pbw_index *ids, size_t count);
@@ -181,106 +181,111 @@ PBWDEF pbw_status pbw_live_view(pbw_live *live, pbw_mesh *mesh);
    A task of >>tasks has a core of its own.  Its members before `kernel` are copies of the main core's, with the same
    arrays; the members from `kernel` on belong to the task.
    ------------------------------------------------------------------------------------------------------ */
-#define PBW__WAITING (PBW_NONE - 1)                  /* incident: a vertex that is to be inserted */
-#define PBW__GONE (PBW_NONE - 2)                     /* incident: a vertex that was removed */
-#define PBW__UNSUITED ((pbw_status)14)               /* not carried out: another way serves every case */
-#define PBW__ANEW ((pbw_status)13)                   /* not carried out: triangulate all points again */
+#define PBWL__VERTEX_PENDING (PBW_NONE - 1)          /* incident: a vertex that is to be inserted */
+#define PBWL__VERTEX_REMOVED (PBW_NONE - 2)          /* incident: a vertex that was removed */
+#define PBWL__UNSUITED ((pbw_status)14)              /* not carried out: another way serves every case */
+#define PBWL__REBUILD ((pbw_status)13)               /* not carried out: triangulate all points again */
 
-typedef struct pbw__past { pbw_index slot, corner[4]; pbw__link link[4]; } pbw__past;        /* before its deletion */
+typedef struct pbwl__saved { pbw_index slot, corner[4]; pbw__link link[4]; } pbwl__saved;    /* before its deletion */
 
-/* A facet of the hole, open or matched.  v: its vertices, as places in rim_vertex; (apex, v[0], v[1], v[2]) is
-   positive for an apex in the hole.  across: the facet of a simplex outside of the hole, or, if `made`, 4 * filling +
-   corner. */
-typedef struct pbw__rim { uint64_t key; pbw_index v[3]; unsigned char made, closed; pbw__link across; } pbw__rim;
+/* A facet of the hole, open or closed.  v: its vertices, as places in link_vertex; (apex, v[0], v[1], v[2]) is
+   positive for an apex in the hole.  across: the facet of a simplex outside of the hole, or, if is_new, 4 * its index
+   in new_simplex + corner. */
+typedef struct pbwl__hole_facet {
+    uint64_t key;
+    pbw_index v[3];
+    unsigned char is_new, closed;
+    pbw__link across;
+} pbwl__hole_facet;
 
-typedef struct pbw__filling { pbw_index v[4]; pbw__link link[4]; unsigned char made[4]; } pbw__filling;
+typedef struct pbwl__new_simplex { pbw_index v[4]; pbw__link link[4]; unsigned char is_new[4]; } pbwl__new_simplex;
 
 /* The facets of the hole of v, see >>ears.  Place 4 i + k is corner k of the i-th simplex of the star; the place of v
    itself is not used.  Each edge is opposite to two places.  A hole with n vertices has 2 n - 4 facets and 3 n - 6
    edges. */
-#define PBW__MOST_EARS 60
-#define PBW__NEW_EARS 92                             /* 90 edges at most; 91: no edge; 92: the first new time */
-#define PBW__MOST_FILLINGS 128
-typedef struct pbw__ears {
-    double row[PBW__MOST_EARS / 2 + 3][4];           /* per vertex of rim_vertex: its point relative to v; its lift */
-    double low[PBW__NEW_EARS + 4];                   /* per edge: the interval of its time, from low to high; then */
-    double high[PBW__NEW_EARS + 4];                  /* four new times */
+#define PBWL__MOST_EARS 60
+#define PBWL__NEW_EARS 92                            /* 90 edges at most; 91: no edge; 92: the first new time */
+#define PBWL__MOST_NEW 128
+typedef struct pbwl__ears {
+    double row[PBWL__MOST_EARS / 2 + 3][4];          /* per vertex of link_vertex: its point relative to v; lift */
+    double low[PBWL__NEW_EARS + 4];                  /* per edge: the interval of its time, from low to high; then */
+    double high[PBWL__NEW_EARS + 4];                 /* four new times */
     double spare;                                    /* the largest height - lift */
-    pbw__link across[PBW__MOST_EARS];                /* per facet, as in pbw__rim */
-    unsigned char made[PBW__MOST_EARS];
-    unsigned char vertex[4 * PBW__MOST_EARS];        /* per place: its vertex; the next corner of the facet; the */
-    unsigned char turn[4 * PBW__MOST_EARS];          /* place across the edge opposite to it; this edge */
-    unsigned char twin[4 * PBW__MOST_EARS], edge[4 * PBW__MOST_EARS];
-    unsigned char entry[PBW__MOST_EARS + 1];         /* per facet: the place from which it was met */
-    unsigned char place[PBW__NEW_EARS + 4];          /* per edge, and per new time: a place opposite to it */
-    unsigned char renewed[4];                        /* per new time: the edge */
-    unsigned char degree[PBW__MOST_EARS / 2 + 3];    /* per vertex: its facets */
+    pbw__link across[PBWL__MOST_EARS];               /* per facet, as in pbwl__hole_facet */
+    unsigned char is_new[PBWL__MOST_EARS];
+    unsigned char vertex[4 * PBWL__MOST_EARS];       /* per place: its vertex; the next corner of the facet; the */
+    unsigned char next[4 * PBWL__MOST_EARS];         /* place across the edge opposite to it; this edge */
+    unsigned char opposite[4 * PBWL__MOST_EARS], edge[4 * PBWL__MOST_EARS];
+    unsigned char seed[PBWL__MOST_EARS + 1];         /* per facet: the place from which it was met */
+    unsigned char place[PBWL__NEW_EARS + 4];         /* per edge, and per new time: a place opposite to it */
+    unsigned char updated[4];                        /* per new time: the edge */
+    unsigned char degree[PBWL__MOST_EARS / 2 + 3];   /* per vertex: its facets */
     unsigned facets, edges;
-} pbw__ears;
+} pbwl__ears;
 
-typedef struct pbw__core {
+typedef struct pbwl__core {
     pbw__store store;
     pbw__grid grid;
     double low[4], high[4];                          /* the box of the records that the grid was made for */
     double *record;                                  /* per vertex, as in >>order */
     pbw_index *name, *incident, *local;              /* per vertex: its number for the caller; a simplex; its place in
-                                                        rim_vertex, if it is there */
+                                                        link_vertex, if it is there */
     pbw_index *vertex, *twin;                        /* per number: its vertex; the next number at the same point */
     pbw_index *place;                                /* a hash table of vertices by coordinates; 0: empty.  Removed
                                                         and moved vertices may still have old entries */
-    pbw_index *unused, *hidden, *witness;            /* vertices; witness: a simplex that contains hidden[i] */
-    pbw_index *covered, *cover;                      /* hidden and witness as they will be after the commit */
+    pbw_index *unused, *hidden, *container;          /* vertices; container: a simplex that contains hidden[i] */
+    pbw_index *next_hidden, *next_container;         /* hidden and container after the commit */
     pbw_index *start;                                /* per cell of a grid: a vertex that is or was there; 0: none */
     double start_low[3], start_scale[3];
-    size_t start_side, searched;                     /* cells along an axis; walks so far, see pbw__start_table */
+    size_t start_side, searched;                     /* cells along an axis; walks so far, see pbwl__start_table */
     size_t record_capacity, name_capacity, incident_capacity, local_capacity, vertex_capacity, twin_capacity;
-    size_t start_capacity, place_capacity, unused_capacity, hidden_capacity, witness_capacity, covered_capacity;
-    size_t cover_capacity, touched_capacity;
-    size_t vertex_count, unused_count, hidden_count, covered_count, placed, duplicate_count, past_simplices;
+    size_t start_capacity, place_capacity, unused_capacity, hidden_capacity, container_capacity, next_hidden_capacity;
+    size_t next_container_capacity, touched_capacity;
+    size_t vertex_count, unused_count, hidden_count, next_hidden_count, placed, duplicate_count, saved_simplices;
     unsigned char *touched;                          /* per slot: 1 if it is in a journal */
-    struct pbw__core **task;                         /* >>tasks */
+    struct pbwl__core **task;                        /* >>tasks */
     size_t task_capacity, tasks;
     /* owned by one thread from here on */
     pbw__kernel kernel;
     size_t simplex_count;                            /* a task's: the change of the count */
     /* scratch to remove one vertex */
-    pbw_index *rim_vertex, *table;                   /* table: a hash table of rims by their keys; 1 + index */
-    pbw__rim *rim;
-    pbw__filling *filling;
-    size_t rim_vertex_capacity, table_capacity, rim_capacity, filling_capacity;
-    size_t rim_vertices, rims, fillings, effort, reinserted;
-    pbw__ears ears;
+    pbw_index *link_vertex, *table;                  /* table: a hash table of hole_facet by keys; 1 + index */
+    pbwl__hole_facet *hole_facet;
+    pbwl__new_simplex *new_simplex;
+    size_t link_vertex_capacity, table_capacity, hole_facet_capacity, new_simplex_capacity;
+    size_t link_vertices, hole_facets, new_simplices, effort, reinserted;
+    pbwl__ears ears;
     /* the journal */
-    pbw__past *past;
-    pbw_index *taken;                                /* slots that were free */
+    pbwl__saved *saved;
+    pbw_index *used_slot;                            /* slots that were free */
     pbw__link *edge, *open;                          /* edges to test, see >>verify; still to test, see >>moves */
-    size_t past_capacity, taken_capacity, edge_capacity, open_capacity, past_count, taken_count, open_count;
+    size_t saved_capacity, used_slot_capacity, edge_capacity, open_capacity, saved_count, used_slot_count, open_count;
     int inserting;                                   /* a weighted point, which may hide others */
-} pbw__core;
+} pbwl__core;
 
 /* Frees the members that one thread owns. */
-static void pbw__core_free_own(pbw__context *context, pbw__core *core)
+static void pbwl__core_free_own(pbw__context *context, pbwl__core *core)
 {
     pbw_memory *memory = &context->memory;
     core->kernel.context = context;
     pbw__kernel_free(&core->kernel);
-    PBW__RELEASE(memory, core, rim_vertex);
+    PBW__RELEASE(memory, core, link_vertex);
     PBW__RELEASE(memory, core, table);
-    PBW__RELEASE(memory, core, rim);
-    PBW__RELEASE(memory, core, filling);
-    PBW__RELEASE(memory, core, past);
-    PBW__RELEASE(memory, core, taken);
+    PBW__RELEASE(memory, core, hole_facet);
+    PBW__RELEASE(memory, core, new_simplex);
+    PBW__RELEASE(memory, core, saved);
+    PBW__RELEASE(memory, core, used_slot);
     PBW__RELEASE(memory, core, edge);
     PBW__RELEASE(memory, core, open);
 }
 
-static void pbw__core_free(pbw__context *context, pbw__core *core)
+static void pbwl__core_free(pbw__context *context, pbwl__core *core)
 {
     pbw_memory *memory = &context->memory;
-    pbw__core_free_own(context, core);
+    pbwl__core_free_own(context, core);
     while (core->tasks > 0) {
-        pbw__core_free_own(context, core->task[--core->tasks]);
-        pbw__release(memory, core->task[core->tasks], 1, sizeof(pbw__core));
+        pbwl__core_free_own(context, core->task[--core->tasks]);
+        pbw__release(memory, core->task[core->tasks], 1, sizeof(pbwl__core));
     }
     PBW__RELEASE(memory, core, task);
     pbw__store_free(memory, &core->store);
@@ -294,27 +299,27 @@ static void pbw__core_free(pbw__context *context, pbw__core *core)
     PBW__RELEASE(memory, core, start);
     PBW__RELEASE(memory, core, unused);
     PBW__RELEASE(memory, core, hidden);
-    PBW__RELEASE(memory, core, witness);
-    PBW__RELEASE(memory, core, covered);
-    PBW__RELEASE(memory, core, cover);
+    PBW__RELEASE(memory, core, container);
+    PBW__RELEASE(memory, core, next_hidden);
+    PBW__RELEASE(memory, core, next_container);
     PBW__RELEASE(memory, core, touched);
     memset(core, 0, sizeof(*core));
 }
 
-#define PBW__CORE_GROW(core, x, needed) PBW__GROW(&(core)->kernel, core, x, needed)
+#define PBWL__CORE_GROW(core, x, needed) PBW__GROW(&(core)->kernel, core, x, needed)
 
-PBW__INLINE const double *pbw__core_record(const pbw__core *core, pbw_index v)
+PBW__INLINE const double *pbwl__core_record(const pbwl__core *core, pbw_index v)
 {
     return core->record + (size_t)v * ((size_t)core->kernel.dim + 1);
 }
 
 /* Returns whether this task owns a vertex, claiming it if it is free; always if there are no tasks.  See >>tasks. */
-PBW__INLINE int pbw__hold(pbw__kernel *kernel, pbw_index v)
+PBW__INLINE int pbwl__hold(pbw__kernel *kernel, pbw_index v)
 {
     return kernel->own.owner == NULL || v == PBW__GHOST || pbw__owns_zone(kernel, v);
 }
 
-PBW__INLINE int pbw__hold_corners(pbw__kernel *kernel, size_t t)
+PBW__INLINE int pbwl__hold_corners(pbw__kernel *kernel, size_t t)
 {
     const pbw_index *v = kernel->corner + 4 * t;
     const int dim = kernel->dim;
@@ -323,18 +328,18 @@ PBW__INLINE int pbw__hold_corners(pbw__kernel *kernel, size_t t)
                                       & pbw__is_ours(kernel, v[2]) & pbw__is_ours(kernel, v[dim]))) {
         return 1;
     }
-    for (k = 0; k <= dim && pbw__hold(kernel, v[k]); k++) {
+    for (k = 0; k <= dim && pbwl__hold(kernel, v[k]); k++) {
     }
     return k > dim;
 }
 
 /* Returns the status for a missing slot: a task may get one in a later round. */
-PBW__INLINE pbw_status pbw__no_room(const pbw__kernel *kernel, pbw_status status)
+PBW__INLINE pbw_status pbwl__no_room(const pbw__kernel *kernel, pbw_status status)
 {
     return status == PBW__DEFERRED && kernel->own.owner == NULL ? PBW_ERROR_TOO_LARGE : status;
 }
 
-PBW__INLINE unsigned pbw__corner_at(const pbw_index *corner, pbw_index v)
+PBW__INLINE unsigned pbwl__corner_at(const pbw_index *corner, pbw_index v)
 {
     unsigned k = 0;
     while (corner[k] != v) {
@@ -344,7 +349,7 @@ PBW__INLINE unsigned pbw__corner_at(const pbw_index *corner, pbw_index v)
 }
 
 /* Sets facet to a, b, c, the facet opposite to corner i of a positive simplex v: (v[i], a, b, c) is positive. */
-PBW__INLINE void pbw__facet_of(const pbw_index *v, unsigned i, int dim, pbw_index *facet)
+PBW__INLINE void pbwl__facet_of(const pbw_index *v, unsigned i, int dim, pbw_index *facet)
 {
     if (dim == 2) {
         facet[0] = v[i == 2 ? 0 : i + 1];
@@ -358,11 +363,11 @@ PBW__INLINE void pbw__facet_of(const pbw_index *v, unsigned i, int dim, pbw_inde
 }
 
 /* Returns whether facet j of simplex u is facet k of simplex t: the same vertices in the opposite order. */
-PBW__INLINE unsigned pbw__facets_fit(const pbw_index *t, unsigned k, const pbw_index *u, unsigned j, int dim)
+PBW__INLINE unsigned pbwl__facets_fit(const pbw_index *t, unsigned k, const pbw_index *u, unsigned j, int dim)
 {
     pbw_index a[3], b[3];
-    pbw__facet_of(t, k, dim, a);
-    pbw__facet_of(u, j, dim, b);
+    pbwl__facet_of(t, k, dim, a);
+    pbwl__facet_of(u, j, dim, b);
     return dim == 2 ? (unsigned)((a[0] == b[1]) & (a[1] == b[0]))
                     : (unsigned)(((a[0] == b[0]) & (a[1] == b[2]) & (a[2] == b[1]))
                                  | ((a[0] == b[1]) & (a[1] == b[0]) & (a[2] == b[2]))
@@ -371,43 +376,43 @@ PBW__INLINE unsigned pbw__facets_fit(const pbw_index *t, unsigned k, const pbw_i
 
 /* ---- the journal */
 /* Makes `touched` as long as the store; new entries are 0. */
-static int pbw__journal_reserve(pbw__core *core)
+static int pbwl__journal_reserve(pbwl__core *core)
 {
     const size_t old = core->touched_capacity;
-    if (!PBW__CORE_GROW(core, touched, core->store.capacity)) {
+    if (!PBWL__CORE_GROW(core, touched, core->store.capacity)) {
         return 0;
     }
     memset(core->touched + old, 0, core->touched_capacity - old);
     return 1;
 }
 
-/* Returns the place of a vertex in rim_vertex, where the ghost is the first; adds it if it is not there. */
-static pbw_index pbw__rim_place(pbw__core *core, pbw_index v)
+/* Returns the place of a vertex in link_vertex, where the ghost is the first; adds it if it is not there. */
+static pbw_index pbwl__link_place(pbwl__core *core, pbw_index v)
 {
     const pbw_index at = core->local[v];
-    if (at < core->rim_vertices && core->rim_vertex[at] == v) {
+    if (at < core->link_vertices && core->link_vertex[at] == v) {
         return at;
     }
-    core->rim_vertex[core->rim_vertices] = v;
-    return core->local[v] = (pbw_index)core->rim_vertices++;
+    core->link_vertex[core->link_vertices] = v;
+    return core->local[v] = (pbw_index)core->link_vertices++;
 }
 
 /* Notes the simplices of the cavity before they are deleted.  PBW__DEFERRED: not all of their corners are ours. */
-static pbw_status pbw__journal_cavity(pbw__kernel *kernel)
+static pbw_status pbwl__journal_cavity(pbw__kernel *kernel)
 {
-    pbw__core *core = (pbw__core *)kernel->journal;
+    pbwl__core *core = (pbwl__core *)kernel->journal;
     const size_t count = kernel->scratch.cavity_count;
     size_t i;
     for (i = 0; i < count && kernel->own.owner != NULL; i++) {
-        if (!pbw__hold_corners(kernel, kernel->scratch.cavity[i])) {
+        if (!pbwl__hold_corners(kernel, kernel->scratch.cavity[i])) {
             return PBW__DEFERRED;
         }
     }
-    if (!PBW__CORE_GROW(core, past, core->past_count + count)
-        || (core->inserting && !PBW__CORE_GROW(core, rim_vertex, 4 * count + 8))) {
+    if (!PBWL__CORE_GROW(core, saved, core->saved_count + count)
+        || (core->inserting && !PBWL__CORE_GROW(core, link_vertex, 4 * count + 8))) {
         return PBW_ERROR_MEMORY;
     }
-    core->rim_vertices = core->inserting ? 0 : core->rim_vertices;
+    core->link_vertices = core->inserting ? 0 : core->link_vertices;
     for (i = 0; i < count; i++) {
         const size_t t = kernel->scratch.cavity[i];
         int k;
@@ -416,22 +421,22 @@ static pbw_status pbw__journal_cavity(pbw__kernel *kernel)
             const pbw_index v = kernel->corner[4 * t + (size_t)k];
             if (v != PBW__GHOST) {
                 core->incident[v] = PBW_NONE;        /* until it is in the star */
-                (void)pbw__rim_place(core, v);
+                (void)pbwl__link_place(core, v);
             }
         }
         if (!core->touched[t]) {
-            pbw__past *past = core->past + core->past_count++;
+            pbwl__saved *saved = core->saved + core->saved_count++;
             core->touched[t] = 1;
-            past->slot = (pbw_index)t;
-            memcpy(past->corner, kernel->corner + 4 * t, sizeof(past->corner));
-            memcpy(past->link, kernel->link + 4 * t, sizeof(past->link));
+            saved->slot = (pbw_index)t;
+            memcpy(saved->corner, kernel->corner + 4 * t, sizeof(saved->corner));
+            memcpy(saved->link, kernel->link + 4 * t, sizeof(saved->link));
         }
     }
     return PBW_OK;
 }
 
 /* Makes a new simplex, or if it is a ghost the finite one behind it, incident to its corners. */
-static void pbw__note_corners(pbw__core *core, size_t t)
+static void pbwl__note_corners(pbwl__core *core, size_t t)
 {
     const pbw__kernel *kernel = &core->kernel;
     const int dim = kernel->dim;
@@ -446,35 +451,35 @@ static void pbw__note_corners(pbw__core *core, size_t t)
 }
 
 /* Notes those slots of the new star that were free, before they are used. */
-static pbw_status pbw__journal_slots(pbw__kernel *kernel)
+static pbw_status pbwl__journal_slots(pbw__kernel *kernel)
 {
-    pbw__core *core = (pbw__core *)kernel->journal;
+    pbwl__core *core = (pbwl__core *)kernel->journal;
     const size_t count = kernel->scratch.facet_count;
     size_t i;
-    if (!pbw__journal_reserve(core) || !PBW__CORE_GROW(core, taken, core->taken_count + count)) {
+    if (!pbwl__journal_reserve(core) || !PBWL__CORE_GROW(core, used_slot, core->used_slot_count + count)) {
         return PBW_ERROR_MEMORY;
     }
     for (i = 0; i < count; i++) {
         const size_t t = kernel->scratch.cavity[i];
         if (!core->touched[t]) {
             core->touched[t] = 1;
-            core->taken[core->taken_count++] = (pbw_index)t;
+            core->used_slot[core->used_slot_count++] = (pbw_index)t;
         }
     }
     return PBW_OK;
 }
 
 /* Makes simplices of the new star incident to its vertices. */
-static void pbw__note_star(pbw__core *core)
+static void pbwl__note_star(pbwl__core *core)
 {
     size_t i;
     for (i = 0; i < core->kernel.scratch.facet_count; i++) {
-        pbw__note_corners(core, core->kernel.scratch.cavity[i]);
+        pbwl__note_corners(core, core->kernel.scratch.cavity[i]);
     }
 }
 
 /* Returns the number of finite simplices in the cavity. */
-static size_t pbw__count_finite(const pbw__kernel *kernel)
+static size_t pbwl__count_finite(const pbw__kernel *kernel)
 {
     size_t i, finite = 0;
     for (i = 0; i < kernel->scratch.cavity_count; i++) {
@@ -484,7 +489,7 @@ static size_t pbw__count_finite(const pbw__kernel *kernel)
 }
 
 /* Makes the list of free slots again. */
-static void pbw__list_free_slots(pbw__core *core)
+static void pbwl__list_free_slots(pbwl__core *core)
 {
     pbw__kernel *kernel = &core->kernel;
     size_t t;
@@ -502,63 +507,63 @@ static void pbw__list_free_slots(pbw__core *core)
 }
 
 /* Returns the core with the i-th journal: the main core, then its tasks. */
-PBW__INLINE pbw__core *pbw__journal(pbw__core *core, size_t i)
+PBW__INLINE pbwl__core *pbwl__journal(pbwl__core *core, size_t i)
 {
     return i == 0 ? core : core->task[i - 1];
 }
 
 /* Returns whether simplices were deleted. */
-static int pbw__journal_any(pbw__core *core)
+static int pbwl__journal_any(pbwl__core *core)
 {
     size_t j;
-    for (j = 0; j <= core->tasks && pbw__journal(core, j)->past_count == 0; j++) {
+    for (j = 0; j <= core->tasks && pbwl__journal(core, j)->saved_count == 0; j++) {
     }
     return j <= core->tasks;
 }
 
-static void pbw__journal_clear_one(void *arg, int j)
+static void pbwl__journal_clear_one(void *arg, int j)
 {
-    pbw__core *core = (pbw__core *)arg, *own = pbw__journal(core, (size_t)j);
+    pbwl__core *core = (pbwl__core *)arg, *own = pbwl__journal(core, (size_t)j);
     size_t i;
-    for (i = 0; i < own->past_count; i++) {
-        PBW__PREFETCH_TO_WRITE(core->touched + own->past[i + 16 < own->past_count ? i + 16 : i].slot);
-        core->touched[own->past[i].slot] = 0;
+    for (i = 0; i < own->saved_count; i++) {
+        PBW__PREFETCH_TO_WRITE(core->touched + own->saved[i + 16 < own->saved_count ? i + 16 : i].slot);
+        core->touched[own->saved[i].slot] = 0;
     }
-    for (i = 0; i < own->taken_count; i++) {
-        core->touched[own->taken[i]] = 0;
+    for (i = 0; i < own->used_slot_count; i++) {
+        core->touched[own->used_slot[i]] = 0;
     }
-    own->past_count = own->taken_count = 0;
+    own->saved_count = own->used_slot_count = 0;
 }
 
-static void pbw__journal_clear(pbw__core *core)
+static void pbwl__journal_clear(pbwl__core *core)
 {
     size_t count = 0, j;
     for (j = 0; j <= core->tasks; j++) {
-        count += pbw__journal(core, j)->past_count;
+        count += pbwl__journal(core, j)->saved_count;
     }
     if (count > PBW__SMALLER(16384)) {
-        pbw__for(core->kernel.context, (int)core->tasks + 1, pbw__journal_clear_one, core);
+        pbw__for(core->kernel.context, (int)core->tasks + 1, pbwl__journal_clear_one, core);
     } else {
         for (j = 0; j <= core->tasks; j++) {
-            pbw__journal_clear_one(core, (int)j);
+            pbwl__journal_clear_one(core, (int)j);
         }
     }
-    core->past_simplices = core->simplex_count;
+    core->saved_simplices = core->simplex_count;
 }
 
 /* Sets the links of restored simplices. */
-static void pbw__journal_link(pbw__core *core, const pbw__past *past, size_t count)
+static void pbwl__journal_link(pbwl__core *core, const pbwl__saved *saved, size_t count)
 {
     pbw__kernel *kernel = &core->kernel;
     const unsigned dim = (unsigned)kernel->dim;
     size_t i;
     unsigned k;
     for (i = 0; i < count; i++) {
-        const size_t t = past[i].slot;
+        const size_t t = saved[i].slot;
         for (k = 0; k <= dim; k++) {
-            const pbw__link to = past[i].link[k];
+            const pbw__link to = saved[i].link[k];
             const pbw_index *u = kernel->corner + 4 * (size_t)(to >> 2);
-            if (u[0] != PBW_NONE && pbw__facets_fit(kernel->corner + 4 * t, k, u, (unsigned)(to & 3), (int)dim)) {
+            if (u[0] != PBW_NONE && pbwl__facets_fit(kernel->corner + 4 * t, k, u, (unsigned)(to & 3), (int)dim)) {
                 kernel->link[4 * t + k] = to;
                 kernel->link[to] = (pbw__link)(4 * t + k);
             }
@@ -567,43 +572,43 @@ static void pbw__journal_link(pbw__core *core, const pbw__past *past, size_t cou
 }
 
 /* Restores the triangulation at the start of the journal. */
-static void pbw__journal_undo(pbw__core *core)
+static void pbwl__journal_undo(pbwl__core *core)
 {
     pbw__kernel *kernel = &core->kernel;
-    const int any = pbw__journal_any(core);
+    const int any = pbwl__journal_any(core);
     size_t i, j;
     for (j = 0; j <= core->tasks; j++) {
-        const pbw__core *own = pbw__journal(core, j);
-        for (i = 0; i < own->taken_count; i++) {
-            kernel->corner[4 * (size_t)own->taken[i]] = PBW_NONE;
+        const pbwl__core *own = pbwl__journal(core, j);
+        for (i = 0; i < own->used_slot_count; i++) {
+            kernel->corner[4 * (size_t)own->used_slot[i]] = PBW_NONE;
         }
-        for (i = 0; i < own->past_count; i++) {
-            const pbw__past *past = own->past + i;
-            memcpy(kernel->corner + 4 * (size_t)past->slot, past->corner, sizeof(past->corner));
+        for (i = 0; i < own->saved_count; i++) {
+            const pbwl__saved *saved = own->saved + i;
+            memcpy(kernel->corner + 4 * (size_t)saved->slot, saved->corner, sizeof(saved->corner));
         }
     }
     for (j = 0; j <= core->tasks; j++) {
-        pbw__journal_link(core, pbw__journal(core, j)->past, pbw__journal(core, j)->past_count);
+        pbwl__journal_link(core, pbwl__journal(core, j)->saved, pbwl__journal(core, j)->saved_count);
     }
     for (j = 0; j <= core->tasks; j++) {
-        const pbw__core *own = pbw__journal(core, j);
-        for (i = 0; i < own->past_count; i++) {
-            pbw__note_corners(core, own->past[i].slot);
+        const pbwl__core *own = pbwl__journal(core, j);
+        for (i = 0; i < own->saved_count; i++) {
+            pbwl__note_corners(core, own->saved[i].slot);
         }
     }
     for (i = 0; i < core->hidden_count; i++) {
         core->incident[core->hidden[i]] = PBW_NONE;
     }
-    core->simplex_count = core->past_simplices;
+    core->simplex_count = core->saved_simplices;
     if (any) {
-        pbw__list_free_slots(core);
+        pbwl__list_free_slots(core);
     }
     kernel->last = PBW_NONE;
-    pbw__journal_clear(core);
+    pbwl__journal_clear(core);
 }
 /* ------------------------------------------------------------------------------------------------------
    >>apex         The vertex behind a facet of a hole.
-   In: the vertices of a link, a facet of the hole (a rim).  Out: the one of them that makes, with the facet, the
+   In: the vertices of a link, a facet of the hole.  Out: the one of them that makes, with the facet, the
    simplex behind it, or none: see >>removal.
    Holds: every verdict is exact.
 
@@ -616,10 +621,10 @@ static void pbw__journal_undo(pbw__core *core)
    ------------------------------------------------------------------------------------------------------ */
 /* A finite simplex with its last corner as the origin: its orientation, and the plane through its lifted corners,
    lift * orientation = normal . x.  Points with lifts below it are in conflict. */
-typedef struct pbw__plane { double origin[4], normal[3], orientation, height; } pbw__plane;
+typedef struct pbwl__plane { double origin[4], normal[3], orientation, height; } pbwl__plane;
 
 /* Sets row to x relative to the origin, then its lift.  Returns its height. */
-PBW__INLINE double pbw__plane_row(const pbw__plane *plane, const double *x, int dim, double *row)
+PBW__INLINE double pbwl__plane_row(const pbwl__plane *plane, const double *x, int dim, double *row)
 {
     const double weight = x[dim] - plane->origin[dim];
     double square = 0.0;
@@ -632,12 +637,12 @@ PBW__INLINE double pbw__plane_row(const pbw__plane *plane, const double *x, int 
     return square + pbw__abs(weight);
 }
 
-PBW__INLINE double pbw__row_dot(const double *a, const double *b, int dim)
+PBW__INLINE double pbwl__row_dot(const double *a, const double *b, int dim)
 {
     return dim == 2 ? a[0] * b[0] + a[1] * b[1] : a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-PBW__INLINE void pbw__cross_row(const double *a, const double *b, double *x)
+PBW__INLINE void pbwl__cross_row(const double *a, const double *b, double *x)
 {
     x[0] = a[1] * b[2] - a[2] * b[1];
     x[1] = a[2] * b[0] - a[0] * b[2];
@@ -645,38 +650,38 @@ PBW__INLINE void pbw__cross_row(const double *a, const double *b, double *x)
 }
 
 /* Sets normal to that of the facet of rows a and b and the origin, towards apexes of positive simplices. */
-PBW__INLINE void pbw__facet_normal(const double *a, const double *b, int dim, double *normal)
+PBW__INLINE void pbwl__facet_normal(const double *a, const double *b, int dim, double *normal)
 {
     if (dim == 2) {
         normal[0] = a[1];
         normal[1] = -a[0];
         normal[2] = 0.0;
     } else {
-        pbw__cross_row(b, a, normal);
+        pbwl__cross_row(b, a, normal);
     }
 }
 
 /* Sets the plane of the rows a, b and c and the origin; normal: that of the facet of b and c. */
-PBW__INLINE void pbw__plane_set(pbw__plane *plane, const double *a, const double *b, const double *c,
-                                const double *normal, int dim)
+PBW__INLINE void pbwl__plane_set(pbwl__plane *plane, const double *a, const double *b, const double *c,
+                                 const double *normal, int dim)
 {
     double ac[3], ba[3];
     int k;
-    plane->orientation = pbw__row_dot(a, normal, dim);
+    plane->orientation = pbwl__row_dot(a, normal, dim);
     if (dim == 2) {
         plane->normal[0] = a[2] * b[1] - b[2] * a[1];
         plane->normal[1] = b[2] * a[0] - a[2] * b[0];
         plane->normal[2] = 0.0;
         return;
     }
-    pbw__cross_row(a, c, ac);
-    pbw__cross_row(b, a, ba);
+    pbwl__cross_row(a, c, ac);
+    pbwl__cross_row(b, a, ba);
     for (k = 0; k < 3; k++) {
         plane->normal[k] = a[3] * normal[k] + b[3] * ac[k] + c[3] * ba[k];
     }
 }
 
-PBW__INLINE void pbw__plane_of(const pbw__core *core, const pbw_index *v, int dim, pbw__plane *plane)
+PBW__INLINE void pbwl__plane_of(const pbwl__core *core, const pbw_index *v, int dim, pbwl__plane *plane)
 {
     double row[3][4], normal[3], height = 1e-55;
     int i;
@@ -684,83 +689,84 @@ PBW__INLINE void pbw__plane_of(const pbw__core *core, const pbw_index *v, int di
         plane->origin[i] = core->record[v[dim] * ((size_t)dim + 1) + (size_t)i];
     }
     for (i = 0; i < dim; i++) {
-        height = pbw__max(height, pbw__plane_row(plane, core->record + v[i] * ((size_t)dim + 1), dim, row[i]));
+        height = pbw__max(height, pbwl__plane_row(plane, core->record + v[i] * ((size_t)dim + 1), dim, row[i]));
     }
     plane->height = height;
-    pbw__facet_normal(row[1], row[2], dim, normal);
-    pbw__plane_set(plane, row[0], row[1], row[2], normal, dim);
+    pbwl__facet_normal(row[1], row[2], dim, normal);
+    pbwl__plane_set(plane, row[0], row[1], row[2], normal, dim);
 }
 
 /* Return the squares of the bounds of a side and of a conflict. */
-PBW__INLINE double pbw__side_limit(double h, int dim)
+PBW__INLINE double pbwl__side_limit(double h, int dim)
 {
     return h * h * (dim == 2 ? PBW__ORIENT2_ERROR * PBW__ORIENT2_ERROR
                              : h * (PBW__ORIENT3_ERROR * PBW__ORIENT3_ERROR));
 }
 
-PBW__INLINE double pbw__conflict_limit(double h, int dim)
+PBW__INLINE double pbwl__conflict_limit(double h, int dim)
 {
     return h * h * (h * h) * (dim == 2 ? PBW__CIRCLE_ERROR * PBW__CIRCLE_ERROR
                                        : h * (PBW__SPHERE_ERROR * PBW__SPHERE_ERROR));
 }
 
-/* Returns whether e is strictly on the open side of the rim v; side: its product with the normal of the rim. */
-PBW__INLINE int pbw__rim_sees(const pbw__core *core, const pbw_index *v, pbw_index e, double side, double height,
-                              int dim)
+/* Returns whether e is strictly on the open side of the facet v of the hole; side: its product with the
+   normal of the facet. */
+PBW__INLINE int pbwl__facet_sees(const pbwl__core *core, const pbw_index *v, pbw_index e, double side, double height,
+                                 int dim)
 {
     const double *x[4] = { NULL, NULL, NULL, NULL };
     int k;
-    if (PBW__LIKELY(side * side > pbw__side_limit(height, dim))) {
+    if (PBW__LIKELY(side * side > pbwl__side_limit(height, dim))) {
         return side > 0.0;
     }
-    x[0] = pbw__core_record(core, e);
+    x[0] = pbwl__core_record(core, e);
     for (k = 0; k < dim; k++) {
-        x[k + 1] = pbw__core_record(core, v[k]);
+        x[k + 1] = pbwl__core_record(core, v[k]);
     }
     return pbw__orient(dim, x, &core->grid) > 0;
 }
 
 /* Returns whether e is in conflict with the simplex of these corners and this plane; row: e's, then its height. */
-PBW__INLINE int pbw__plane_conflict(const pbw__core *core, const pbw__plane *plane, const pbw_index *corner,
-                                    pbw_index e, const double *row, int dim)
+PBW__INLINE int pbwl__plane_conflict(const pbwl__core *core, const pbwl__plane *plane, const pbw_index *corner,
+                                     pbw_index e, const double *row, int dim)
 {
-    const double det = pbw__row_dot(row, plane->normal, dim) - row[dim] * plane->orientation;
-    const double limit = pbw__conflict_limit(pbw__max(plane->height, row[4]), dim);
-    const double *p = pbw__core_record(core, e), *x[4] = { NULL, NULL, NULL, NULL };
+    const double det = pbwl__row_dot(row, plane->normal, dim) - row[dim] * plane->orientation;
+    const double limit = pbwl__conflict_limit(pbw__max(plane->height, row[4]), dim);
+    const double *p = pbwl__core_record(core, e), *x[4] = { NULL, NULL, NULL, NULL };
     int k;
     if (PBW__LIKELY(det * det > limit)) {
         return det > 0.0;
     }
     for (k = 0; k <= dim; k++) {
-        x[k] = pbw__core_record(core, corner[k]);
+        x[k] = pbwl__core_record(core, corner[k]);
     }
     return pbw__conflict(dim, x, p, &core->grid);
 }
 
-/* Returns the apex behind a rim, by a tournament; 0, the ghost's place, if there is none. */
-PBW__INLINE pbw_index pbw__rim_apex(const pbw__core *core, const pbw_index *rim, int dim)
+/* Returns the apex behind a facet of the hole, by a tournament; 0, the ghost's place, if there is none. */
+PBW__INLINE pbw_index pbwl__facet_apex(const pbwl__core *core, const pbw_index *hole_facet, int dim)
 {
-    const pbw_index *u = core->rim_vertex;
-    pbw_index corner[4] = { 0, u[rim[0]], u[rim[1]], dim == 3 ? u[rim[2]] : 0 }, i, apex = 0;
-    pbw__plane plane;
+    const pbw_index *u = core->link_vertex;
+    pbw_index corner[4] = { 0, u[hole_facet[0]], u[hole_facet[1]], dim == 3 ? u[hole_facet[2]] : 0 }, i, apex = 0;
+    pbwl__plane plane;
     double a[4], b[4] = { 0.0, 0.0, 0.0, 0.0 }, normal[3], row[5], height;
     memset(&plane, 0, sizeof(plane));
-    memcpy(plane.origin, pbw__core_record(core, corner[dim]), ((size_t)dim + 1) * sizeof(double));
-    height = pbw__max(1e-55, pbw__plane_row(&plane, pbw__core_record(core, corner[1]), dim, a));
+    memcpy(plane.origin, pbwl__core_record(core, corner[dim]), ((size_t)dim + 1) * sizeof(double));
+    height = pbw__max(1e-55, pbwl__plane_row(&plane, pbwl__core_record(core, corner[1]), dim, a));
     if (dim == 3) {
-        height = pbw__max(height, pbw__plane_row(&plane, pbw__core_record(core, corner[2]), dim, b));
+        height = pbw__max(height, pbwl__plane_row(&plane, pbwl__core_record(core, corner[2]), dim, b));
     }
-    pbw__facet_normal(a, b, dim, normal);
-    for (i = 1; i < core->rim_vertices; i++) {
-        if (i == rim[0] || i == rim[1] || i == rim[2]) {
+    pbwl__facet_normal(a, b, dim, normal);
+    for (i = 1; i < core->link_vertices; i++) {
+        if (i == hole_facet[0] || i == hole_facet[1] || i == hole_facet[2]) {
             continue;
         }
-        row[4] = pbw__plane_row(&plane, core->record + u[i] * ((size_t)dim + 1), dim, row);
-        if (pbw__rim_sees(core, corner + 1, u[i], pbw__row_dot(row, normal, dim), pbw__max(height, row[4]), dim)
-            && (apex == 0 || pbw__plane_conflict(core, &plane, corner, u[i], row, dim))) {
+        row[4] = pbwl__plane_row(&plane, core->record + u[i] * ((size_t)dim + 1), dim, row);
+        if (pbwl__facet_sees(core, corner + 1, u[i], pbwl__row_dot(row, normal, dim), pbw__max(height, row[4]), dim)
+            && (apex == 0 || pbwl__plane_conflict(core, &plane, corner, u[i], row, dim))) {
             apex = i;
             corner[0] = u[i];
-            pbw__plane_of(core, corner, dim, &plane);
+            pbwl__plane_of(core, corner, dim, &plane);
         }
     }
     return apex;
@@ -768,8 +774,8 @@ PBW__INLINE pbw_index pbw__rim_apex(const pbw__core *core, const pbw_index *rim,
 
 /* ------------------------------------------------------------------------------------------------------
    >>ears         The hole of a vertex in space, cut off ear by ear.
-   In: a vertex v inside the hull.  Out: its star in scratch.cavity, its link in rim_vertex, the simplices that fill
-   the hole in `filling`; or PBW__UNSUITED: rounded numbers leave them uncertain, or there are too many facets.
+   In: a vertex v inside the hull.  Out: its star in scratch.cavity, its link in link_vertex, the simplices that fill
+   the hole in new_simplex; or PBWL__UNSUITED: rounded numbers leave them uncertain, or there are too many facets.
    Holds: every verdict is exact.
 
    Let the lift of v rise by t, from 0 on, while all others stay.  The regular triangulation changes by flips in the
@@ -786,10 +792,10 @@ PBW__INLINE pbw_index pbw__rim_apex(const pbw__core *core, const pbw_index *rim,
    ------------------------------------------------------------------------------------------------------ */
 #ifdef PBW__SIMD
 /* The intervals of the times of four edges; both ends are infinite for an edge without a time. */
-typedef struct pbw__spans4 { pbw__d4 low, high; } pbw__spans4;
+typedef struct pbwl__spans4 { pbw__d4 low, high; } pbwl__spans4;
 
-PBW__SIMD_INLINE pbw__spans4 pbw__ear_spans(const pbw__d4 *a, const pbw__d4 *b, const pbw__d4 *c, const pbw__d4 *d,
-                                            pbw__d4 spare)
+PBW__SIMD_INLINE pbwl__spans4 pbwl__ear_spans(const pbw__d4 *a, const pbw__d4 *b, const pbw__d4 *c, const pbw__d4 *d,
+                                              pbw__d4 spare)
 {
     const pbw__d4 ab = pbw__det2(a[0], a[1], b[0], b[1]), ac = pbw__det2(a[0], a[1], c[0], c[1]);
     const pbw__d4 ad = pbw__det2(a[0], a[1], d[0], d[1]), bc = pbw__det2(b[0], b[1], c[0], c[1]);
@@ -805,117 +811,119 @@ PBW__SIMD_INLINE pbw__spans4 pbw__ear_spans(const pbw__d4 *a, const pbw__d4 *b, 
     const pbw__d4 t = power * inverse;
     const pbw__d4 error = pbw__fma(pbw__abs4(t), side_error, power_error) * (inverse * pbw__splat(PBW__TIME_ERROR));
     const pbw__d4 none = pbw__greater(pbw__splat(0.0) - side_error, side);
-    pbw__spans4 spans = { t - error, t + error };
+    pbwl__spans4 spans = { t - error, t + error };
     pbw__d4 sure = pbw__greater(side, side_error * pbw__splat(PBW__TIME_LEAST));
     sure = pbw__and4(sure, pbw__greater(pbw__splat(HUGE_VAL), spans.high));
     spans.low = pbw__blend(pbw__blend(pbw__splat(-HUGE_VAL), spans.low, sure), pbw__splat(HUGE_VAL), none);
     return spans;
 }
 
-PBW__INLINE const double *pbw__ear_row(const pbw__ears *ears, unsigned place)
+PBW__INLINE const double *pbwl__ear_row(const pbwl__ears *ears, unsigned place)
 {
     return ears->row[ears->vertex[place]];
 }
 
-PBW__SIMD_INLINE void pbw__ear_columns(const double *a, const double *b, const double *c, const double *d, pbw__d4 *x)
+PBW__SIMD_INLINE void pbwl__ear_columns(const double *a, const double *b, const double *c, const double *d,
+                                        pbw__d4 *x)
 {
     pbw__columns(a, b, c, d, x, x + 1);
     pbw__columns(a + 2, b + 2, c + 2, d + 2, x + 2, x + 3);
 }
 
 /* Computes the times of edges e to e + 3. */
-PBW__SIMD_INLINE void pbw__ear_times(pbw__ears *ears, unsigned e)
+PBW__SIMD_INLINE void pbwl__ear_times(pbwl__ears *ears, unsigned e)
 {
     const unsigned a0 = ears->place[e], a1 = ears->place[e + 1], a2 = ears->place[e + 2], a3 = ears->place[e + 3];
-    const unsigned b0 = ears->turn[a0], b1 = ears->turn[a1], b2 = ears->turn[a2], b3 = ears->turn[a3];
-    const unsigned c0 = ears->turn[b0], c1 = ears->turn[b1], c2 = ears->turn[b2], c3 = ears->turn[b3];
-    const unsigned d0 = ears->twin[a0], d1 = ears->twin[a1], d2 = ears->twin[a2], d3 = ears->twin[a3];
+    const unsigned b0 = ears->next[a0], b1 = ears->next[a1], b2 = ears->next[a2], b3 = ears->next[a3];
+    const unsigned c0 = ears->next[b0], c1 = ears->next[b1], c2 = ears->next[b2], c3 = ears->next[b3];
+    const unsigned d0 = ears->opposite[a0], d1 = ears->opposite[a1], d2 = ears->opposite[a2], d3 = ears->opposite[a3];
     pbw__d4 a[4], b[4], c[4], d[4];
-    pbw__spans4 spans;
-    pbw__ear_columns(ears->row[ears->vertex[a0]], ears->row[ears->vertex[a1]], ears->row[ears->vertex[a2]],
-                     ears->row[ears->vertex[a3]], a);
-    pbw__ear_columns(ears->row[ears->vertex[b0]], ears->row[ears->vertex[b1]], ears->row[ears->vertex[b2]],
-                     ears->row[ears->vertex[b3]], b);
-    pbw__ear_columns(ears->row[ears->vertex[c0]], ears->row[ears->vertex[c1]], ears->row[ears->vertex[c2]],
-                     ears->row[ears->vertex[c3]], c);
-    pbw__ear_columns(ears->row[ears->vertex[d0]], ears->row[ears->vertex[d1]], ears->row[ears->vertex[d2]],
-                     ears->row[ears->vertex[d3]], d);
-    spans = pbw__ear_spans(a, b, c, d, pbw__splat(ears->spare));
+    pbwl__spans4 spans;
+    pbwl__ear_columns(ears->row[ears->vertex[a0]], ears->row[ears->vertex[a1]], ears->row[ears->vertex[a2]],
+                      ears->row[ears->vertex[a3]], a);
+    pbwl__ear_columns(ears->row[ears->vertex[b0]], ears->row[ears->vertex[b1]], ears->row[ears->vertex[b2]],
+                      ears->row[ears->vertex[b3]], b);
+    pbwl__ear_columns(ears->row[ears->vertex[c0]], ears->row[ears->vertex[c1]], ears->row[ears->vertex[c2]],
+                      ears->row[ears->vertex[c3]], c);
+    pbwl__ear_columns(ears->row[ears->vertex[d0]], ears->row[ears->vertex[d1]], ears->row[ears->vertex[d2]],
+                      ears->row[ears->vertex[d3]], d);
+    spans = pbwl__ear_spans(a, b, c, d, pbw__splat(ears->spare));
     memcpy(ears->low + e, &spans.low, sizeof(spans.low));
     memcpy(ears->high + e, &spans.high, sizeof(spans.high));
 }
 
-/* Joins facet k of filling f to the facet of a place, across which it lies. */
-PBW__INLINE void pbw__ear_sew(pbw__core *core, unsigned place, unsigned f, unsigned k)
+/* Joins facet k of new simplex f to the facet of a place, across which it lies. */
+PBW__INLINE void pbwl__ear_glue(pbwl__core *core, unsigned place, unsigned f, unsigned k)
 {
     const pbw__link across = core->ears.across[place >> 2];
-    const unsigned made = core->ears.made[place >> 2];
-    pbw__filling *other = core->filling + (made ? across >> 2 : PBW__MOST_FILLINGS);        /* it, or a dummy */
-    core->filling[f].link[k] = across;
-    core->filling[f].made[k] = (unsigned char)made;
+    const unsigned made = core->ears.is_new[place >> 2];
+    pbwl__new_simplex *other = core->new_simplex + (made ? across >> 2 : PBWL__MOST_NEW);   /* it, or a dummy */
+    core->new_simplex[f].link[k] = across;
+    core->new_simplex[f].is_new[k] = (unsigned char)made;
     other->link[across & 3] = 4 * f + k;
-    other->made[across & 3] = 1;
+    other->is_new[across & 3] = 1;
 }
 
-/* Makes facet k of filling f the facet of a place. */
-PBW__INLINE void pbw__ear_open(pbw__ears *ears, unsigned place, unsigned f, unsigned k)
+/* Makes facet k of new simplex f the facet of a place. */
+PBW__INLINE void pbwl__ear_open(pbwl__ears *ears, unsigned place, unsigned f, unsigned k)
 {
     ears->across[place >> 2] = 4 * f + k;
-    ears->made[place >> 2] = 1;
+    ears->is_new[place >> 2] = 1;
 }
 
 /* Makes e the edge opposite to place p, with place q on its other side. */
-PBW__INLINE void pbw__ear_join(pbw__ears *ears, unsigned p, unsigned q, unsigned e)
+PBW__INLINE void pbwl__ear_join(pbwl__ears *ears, unsigned p, unsigned q, unsigned e)
 {
-    ears->twin[p] = (unsigned char)q;
-    ears->twin[q] = (unsigned char)p;
+    ears->opposite[p] = (unsigned char)q;
+    ears->opposite[q] = (unsigned char)p;
     ears->edge[p] = ears->edge[q] = (unsigned char)e;
     ears->place[e] = (unsigned char)p;
 }
 
 /* Notes that the edge opposite to place p gets time k of the four new ones. */
-PBW__INLINE void pbw__ear_renew(pbw__ears *ears, unsigned p, unsigned k)
+PBW__INLINE void pbwl__ear_renew(pbwl__ears *ears, unsigned p, unsigned k)
 {
-    ears->place[PBW__NEW_EARS + k] = (unsigned char)p;
-    ears->renewed[k] = ears->edge[p];
+    ears->place[PBWL__NEW_EARS + k] = (unsigned char)p;
+    ears->updated[k] = ears->edge[p];
     ears->low[ears->edge[p]] = HUGE_VAL;
 }
 
-/* Makes a filling of the vertices at four places.  Returns its index. */
-PBW__INLINE unsigned pbw__ear_make(pbw__core *core, unsigned a, unsigned b, unsigned c, unsigned d)
+/* Makes a new simplex of the vertices at four places.  Returns its index. */
+PBW__INLINE unsigned pbwl__ear_make(pbwl__core *core, unsigned a, unsigned b, unsigned c, unsigned d)
 {
-    pbw__filling *filling = core->filling + core->fillings;
-    filling->v[0] = core->ears.vertex[a];
-    filling->v[1] = core->ears.vertex[b];
-    filling->v[2] = core->ears.vertex[c];
-    filling->v[3] = core->ears.vertex[d];
-    return (unsigned)core->fillings++;
+    pbwl__new_simplex *new_simplex = core->new_simplex + core->new_simplices;
+    new_simplex->v[0] = core->ears.vertex[a];
+    new_simplex->v[1] = core->ears.vertex[b];
+    new_simplex->v[2] = core->ears.vertex[c];
+    new_simplex->v[3] = core->ears.vertex[d];
+    return (unsigned)core->new_simplices++;
 }
 
 /* Cuts off the edge opposite to place c, between c and d: facets (c, a, b) and (d, b, a) become (c, a, d) and
    (d, b, c).  Returns the new times. */
-PBW__SIMD_INLINE pbw__spans4 pbw__ear_flip(pbw__core *core, unsigned c)
+PBW__SIMD_INLINE pbwl__spans4 pbwl__ear_flip(pbwl__core *core, unsigned c)
 {
-    pbw__ears *ears = &core->ears;
-    const unsigned a = ears->turn[c], b = ears->turn[a], d = ears->twin[c], other_b = ears->turn[d];
-    const unsigned other_a = ears->turn[other_b], e = ears->edge[c];
-    const unsigned ad = ears->twin[other_b], ca = ears->twin[b], bc = ears->twin[a], db = ears->twin[other_a];
-    const double *at_a = pbw__ear_row(ears, a), *at_b = pbw__ear_row(ears, b);
-    const double *at_c = pbw__ear_row(ears, c), *at_d = pbw__ear_row(ears, d);
+    pbwl__ears *ears = &core->ears;
+    const unsigned a = ears->next[c], b = ears->next[a], d = ears->opposite[c], other_b = ears->next[d];
+    const unsigned other_a = ears->next[other_b], e = ears->edge[c];
+    const unsigned ad = ears->opposite[other_b], ca = ears->opposite[b], bc = ears->opposite[a];
+    const unsigned db = ears->opposite[other_a];
+    const double *at_a = pbwl__ear_row(ears, a), *at_b = pbwl__ear_row(ears, b);
+    const double *at_c = pbwl__ear_row(ears, c), *at_d = pbwl__ear_row(ears, d);
     pbw__d4 x[4][4];
-    pbw__spans4 spans;
+    pbwl__spans4 spans;
     unsigned f;
-    pbw__ear_columns(at_a, at_a, at_b, at_b, x[0]);
-    pbw__ear_columns(at_d, at_d, at_c, at_c, x[1]);
-    pbw__ear_columns(at_c, at_c, at_d, at_d, x[2]);
-    pbw__ear_columns(pbw__ear_row(ears, ad), pbw__ear_row(ears, ca), pbw__ear_row(ears, bc), pbw__ear_row(ears, db),
-                     x[3]);
-    spans = pbw__ear_spans(x[0], x[1], x[2], x[3], pbw__splat(ears->spare));
-    f = pbw__ear_make(core, d, c, a, b);
-    pbw__ear_sew(core, c, f, 0);
-    pbw__ear_sew(core, d, f, 1);
-    pbw__ear_open(ears, d, f, 2);
-    pbw__ear_open(ears, c, f, 3);
+    pbwl__ear_columns(at_a, at_a, at_b, at_b, x[0]);
+    pbwl__ear_columns(at_d, at_d, at_c, at_c, x[1]);
+    pbwl__ear_columns(at_c, at_c, at_d, at_d, x[2]);
+    pbwl__ear_columns(pbwl__ear_row(ears, ad), pbwl__ear_row(ears, ca), pbwl__ear_row(ears, bc),
+                      pbwl__ear_row(ears, db), x[3]);
+    spans = pbwl__ear_spans(x[0], x[1], x[2], x[3], pbw__splat(ears->spare));
+    f = pbwl__ear_make(core, d, c, a, b);
+    pbwl__ear_glue(core, c, f, 0);
+    pbwl__ear_glue(core, d, f, 1);
+    pbwl__ear_open(ears, d, f, 2);
+    pbwl__ear_open(ears, c, f, 3);
     ears->degree[ears->vertex[a]]--;
     ears->degree[ears->vertex[b]]--;
     ears->degree[ears->vertex[c]]++;
@@ -923,40 +931,40 @@ PBW__SIMD_INLINE pbw__spans4 pbw__ear_flip(pbw__core *core, unsigned c)
     ears->vertex[b] = ears->vertex[d];
     ears->vertex[other_a] = ears->vertex[c];
     ears->low[e] = HUGE_VAL;
-    pbw__ear_join(ears, c, ad, ears->edge[ad]);
-    pbw__ear_join(ears, d, bc, ears->edge[bc]);
-    pbw__ear_join(ears, a, other_b, e);
-    pbw__ear_renew(ears, c, 0);
-    pbw__ear_renew(ears, b, 1);
-    pbw__ear_renew(ears, d, 2);
-    pbw__ear_renew(ears, other_a, 3);
+    pbwl__ear_join(ears, c, ad, ears->edge[ad]);
+    pbwl__ear_join(ears, d, bc, ears->edge[bc]);
+    pbwl__ear_join(ears, a, other_b, e);
+    pbwl__ear_renew(ears, c, 0);
+    pbwl__ear_renew(ears, b, 1);
+    pbwl__ear_renew(ears, d, 2);
+    pbwl__ear_renew(ears, other_a, 3);
     return spans;
 }
 
 /* Cuts off the vertex at place p, where three facets meet: (p, b, c), (p, c, d) and (p, d, b) become (d, b, c).
    Returns the new times; subtracts from *overlap the number of the three edges that may have a time up to `high`. */
-PBW__SIMD_INLINE pbw__spans4 pbw__ear_cut(pbw__core *core, unsigned p, double high, unsigned *overlap)
+PBW__SIMD_INLINE pbwl__spans4 pbwl__ear_cut(pbwl__core *core, unsigned p, double high, unsigned *overlap)
 {
-    pbw__ears *ears = &core->ears;
-    const unsigned b = ears->turn[p], c = ears->turn[b], d = ears->twin[b], second_p = ears->turn[d];
-    const unsigned third_p = ears->turn[ears->turn[ears->twin[c]]];
-    const unsigned cd = ears->twin[second_p], db = ears->twin[third_p], bc = ears->twin[p];
-    const unsigned gone[3] = { ears->edge[b], ears->edge[c], ears->edge[ears->turn[second_p]] };
-    const double *at_b = pbw__ear_row(ears, b), *at_c = pbw__ear_row(ears, c), *at_d = pbw__ear_row(ears, d);
+    pbwl__ears *ears = &core->ears;
+    const unsigned b = ears->next[p], c = ears->next[b], d = ears->opposite[b], second_p = ears->next[d];
+    const unsigned third_p = ears->next[ears->next[ears->opposite[c]]];
+    const unsigned cd = ears->opposite[second_p], db = ears->opposite[third_p], bc = ears->opposite[p];
+    const unsigned gone[3] = { ears->edge[b], ears->edge[c], ears->edge[ears->next[second_p]] };
+    const double *at_b = pbwl__ear_row(ears, b), *at_c = pbwl__ear_row(ears, c), *at_d = pbwl__ear_row(ears, d);
     pbw__d4 x[4][4];
-    pbw__spans4 spans;
+    pbwl__spans4 spans;
     unsigned f, k;
-    pbw__ear_columns(at_d, at_d, at_d, at_d, x[0]);
-    pbw__ear_columns(at_b, at_b, at_b, at_b, x[1]);
-    pbw__ear_columns(at_c, at_c, at_c, at_c, x[2]);
-    pbw__ear_columns(pbw__ear_row(ears, bc), pbw__ear_row(ears, cd), pbw__ear_row(ears, db), at_b, x[3]);
-    spans = pbw__ear_spans(x[0], x[1], x[2], x[3], pbw__splat(ears->spare));
+    pbwl__ear_columns(at_d, at_d, at_d, at_d, x[0]);
+    pbwl__ear_columns(at_b, at_b, at_b, at_b, x[1]);
+    pbwl__ear_columns(at_c, at_c, at_c, at_c, x[2]);
+    pbwl__ear_columns(pbwl__ear_row(ears, bc), pbwl__ear_row(ears, cd), pbwl__ear_row(ears, db), at_b, x[3]);
+    spans = pbwl__ear_spans(x[0], x[1], x[2], x[3], pbw__splat(ears->spare));
     spans.low = pbw__blend(spans.low, pbw__splat(HUGE_VAL), pbw__lanes_mask(8));
-    f = pbw__ear_make(core, d, p, b, c);
-    pbw__ear_sew(core, p, f, 0);
-    pbw__ear_sew(core, second_p, f, 2);
-    pbw__ear_sew(core, third_p, f, 3);
-    pbw__ear_open(ears, p, f, 1);
+    f = pbwl__ear_make(core, d, p, b, c);
+    pbwl__ear_glue(core, p, f, 0);
+    pbwl__ear_glue(core, second_p, f, 2);
+    pbwl__ear_glue(core, third_p, f, 3);
+    pbwl__ear_open(ears, p, f, 1);
     for (k = 0; k < 3; k++) {
         *overlap -= ears->low[gone[k]] <= high;
         ears->low[gone[k]] = HUGE_VAL;
@@ -965,23 +973,23 @@ PBW__SIMD_INLINE pbw__spans4 pbw__ear_cut(pbw__core *core, unsigned p, double hi
     ears->degree[ears->vertex[c]]--;
     ears->degree[ears->vertex[d]]--;
     ears->vertex[p] = ears->vertex[d];
-    pbw__ear_join(ears, b, cd, ears->edge[cd]);
-    pbw__ear_join(ears, c, db, ears->edge[db]);
+    pbwl__ear_join(ears, b, cd, ears->edge[cd]);
+    pbwl__ear_join(ears, c, db, ears->edge[db]);
     ears->facets -= 2;
-    pbw__ear_renew(ears, p, 0);
-    pbw__ear_renew(ears, b, 1);
-    pbw__ear_renew(ears, c, 2);
-    ears->renewed[3] = PBW__NEW_EARS - 1;
+    pbwl__ear_renew(ears, p, 0);
+    pbwl__ear_renew(ears, b, 1);
+    pbwl__ear_renew(ears, c, 2);
+    ears->updated[3] = PBWL__NEW_EARS - 1;
     return spans;
 }
 
-/* Returns the edge with the least time, or PBW__NEW_EARS + k for the k-th new time.  *overlap: the number of edges
+/* Returns the edge with the least time, or PBWL__NEW_EARS + k for the k-th new time.  *overlap: the number of edges
    that may have this time. */
-PBW__SIMD_INLINE unsigned pbw__ear_least(const pbw__ears *ears, pbw__d4 renewed, unsigned *overlap)
+PBW__SIMD_INLINE unsigned pbwl__ear_least(const pbwl__ears *ears, pbw__d4 updated, unsigned *overlap)
 {
-    pbw__d4 least = pbw__load4d(ears->low), number = pbw__splat(0.0), most = pbw__min_lane(renewed);
+    pbw__d4 least = pbw__load4d(ears->low), number = pbw__splat(0.0), most = pbw__min_lane(updated);
     double at[4], new_least = pbw__first(most);
-    unsigned i, set = pbw__signs(pbw__equal(renewed, most)), e;
+    unsigned i, set = pbw__signs(pbw__equal(updated, most)), e;
     for (i = 4; i < ears->edges; i += 4) {
         const pbw__d4 low = pbw__load4d(ears->low + i), less = pbw__greater(least, low);
         least = pbw__blend(least, low, less);
@@ -991,9 +999,9 @@ PBW__SIMD_INLINE unsigned pbw__ear_least(const pbw__ears *ears, pbw__d4 renewed,
     most = pbw__min_lane(least);
     e = pbw__lane_of(pbw__signs(pbw__equal(least, most)));
     e += (unsigned)at[e];
-    e = new_least < pbw__first(most) ? PBW__NEW_EARS + pbw__lane_of(set) : e;
+    e = new_least < pbw__first(most) ? PBWL__NEW_EARS + pbw__lane_of(set) : e;
     most = pbw__splat(ears->high[e]);
-    *overlap = pbw__count4(pbw__signs(pbw__at_least(most, renewed)));
+    *overlap = pbw__count4(pbw__signs(pbw__at_least(most, updated)));
     for (i = 0; i < ears->edges; i += 4) {
         *overlap += pbw__count4(pbw__signs(pbw__at_least(most, pbw__load4d(ears->low + i))));
     }
@@ -1001,60 +1009,60 @@ PBW__SIMD_INLINE unsigned pbw__ear_least(const pbw__ears *ears, pbw__d4 renewed,
 }
 
 /* Fills the hole, ear by ear. */
-PBW__SIMD static PBW__NOINLINE pbw_status pbw__cut_ears(pbw__core *core)
+PBW__SIMD static PBW__NOINLINE pbw_status pbwl__cut_ears(pbwl__core *core)
 {
-    pbw__ears *ears = &core->ears;
-    pbw__spans4 spans = { pbw__splat(HUGE_VAL), pbw__splat(HUGE_VAL) };
+    pbwl__ears *ears = &core->ears;
+    pbwl__spans4 spans = { pbw__splat(HUGE_VAL), pbw__splat(HUGE_VAL) };
     unsigned p = ears->place[0], k, f;
     for (k = 0; k < ears->edges; k += 4) {
-        pbw__ear_times(ears, k);
+        pbwl__ear_times(ears, k);
     }
     for (k = ears->edges; k % 4 != 0; k++) {
         ears->low[k] = HUGE_VAL;
     }
-    memset(ears->renewed, PBW__NEW_EARS - 1, sizeof(ears->renewed));
+    memset(ears->updated, PBWL__NEW_EARS - 1, sizeof(ears->updated));
     while (ears->facets > 4) {
         unsigned overlap, e, a;
         double high;
-        memcpy(ears->low + PBW__NEW_EARS, &spans.low, sizeof(spans.low));
-        memcpy(ears->high + PBW__NEW_EARS, &spans.high, sizeof(spans.high));
-        e = pbw__ear_least(ears, spans.low, &overlap);
+        memcpy(ears->low + PBWL__NEW_EARS, &spans.low, sizeof(spans.low));
+        memcpy(ears->high + PBWL__NEW_EARS, &spans.high, sizeof(spans.high));
+        e = pbwl__ear_least(ears, spans.low, &overlap);
         high = ears->high[e];
-        if (!(ears->low[e] > -HUGE_VAL && ears->low[e] < HUGE_VAL) || core->fillings + 2 > PBW__MOST_FILLINGS) {
-            return PBW__UNSUITED;
+        if (!(ears->low[e] > -HUGE_VAL && ears->low[e] < HUGE_VAL) || core->new_simplices + 2 > PBWL__MOST_NEW) {
+            return PBWL__UNSUITED;
         }
         for (k = 0; k < 4; k++) {
-            ears->low[ears->renewed[k]] = ears->low[PBW__NEW_EARS + k];
-            ears->high[ears->renewed[k]] = ears->high[PBW__NEW_EARS + k];
+            ears->low[ears->updated[k]] = ears->low[PBWL__NEW_EARS + k];
+            ears->high[ears->updated[k]] = ears->high[PBWL__NEW_EARS + k];
         }
         p = ears->place[e];
-        a = ears->turn[p];
-        if (ears->degree[ears->vertex[a]] != 3 && ears->degree[ears->vertex[ears->turn[a]]] != 3) {
-            spans = pbw__ear_flip(core, p);
+        a = ears->next[p];
+        if (ears->degree[ears->vertex[a]] != 3 && ears->degree[ears->vertex[ears->next[a]]] != 3) {
+            spans = pbwl__ear_flip(core, p);
             overlap--;
         } else {
-            p = ears->degree[ears->vertex[a]] == 3 ? a : ears->turn[a];
-            spans = pbw__ear_cut(core, p, high, &overlap);
+            p = ears->degree[ears->vertex[a]] == 3 ? a : ears->next[a];
+            spans = pbwl__ear_cut(core, p, high, &overlap);
         }
         if (overlap != 0) {
-            return PBW__UNSUITED;
+            return PBWL__UNSUITED;
         }
     }
-    f = pbw__ear_make(core, ears->twin[p], p, ears->turn[p], ears->turn[ears->turn[p]]);
-    pbw__ear_sew(core, p, f, 0);
+    f = pbwl__ear_make(core, ears->opposite[p], p, ears->next[p], ears->next[ears->next[p]]);
+    pbwl__ear_glue(core, p, f, 0);
     for (k = 1; k < 4; k++) {
-        pbw__ear_sew(core, ears->twin[p], f, k);
-        p = ears->turn[p];
+        pbwl__ear_glue(core, ears->opposite[p], f, k);
+        p = ears->next[p];
     }
     return PBW_OK;
 }
 
 /* Lists the facet opposite to v of simplex i of scratch.cavity, and appends those of its neighbours at v that are not
    in the cavity yet. */
-PBW__INLINE pbw_status pbw__star_facet(pbw__core *core, pbw_index v, size_t i)
+PBW__INLINE pbw_status pbwl__star_facet(pbwl__core *core, pbw_index v, size_t i)
 {
     pbw__kernel *kernel = &core->kernel;
-    pbw__ears *ears = &core->ears;
+    pbwl__ears *ears = &core->ears;
     const pbw_index *corner = kernel->corner + 4 * (size_t)kernel->scratch.cavity[i];
     const pbw__link *link = kernel->link + 4 * (size_t)kernel->scratch.cavity[i];
     const unsigned at = (unsigned)((corner[1] == v) + 2 * (corner[2] == v) + 3 * (corner[3] == v));
@@ -1062,94 +1070,95 @@ PBW__INLINE pbw_status pbw__star_facet(pbw__core *core, pbw_index v, size_t i)
     unsigned here = (unsigned)(4 * i), k;
     size_t count = kernel->scratch.cavity_count;
     if (corner[3] == PBW__GHOST) {
-        return PBW__UNSUITED;
+        return PBWL__UNSUITED;
     }
     ears->across[i] = link[at];
-    ears->made[i] = 0;
+    ears->is_new[i] = 0;
     for (k = 1; k < 4; k++) {
-        ears->turn[here + around[k]] = (unsigned char)(here + around[k < 3 ? k + 1 : 1]);
+        ears->next[here + around[k]] = (unsigned char)(here + around[k < 3 ? k + 1 : 1]);
     }
     for (k = 1; k < 4; k++) {
         const pbw__link to = link[around[k]];
         const size_t next = (size_t)(to >> 2);
         const int fresh = kernel->mark[next] == 0;
-        if (fresh && kernel->own.owner != NULL && !pbw__hold(kernel, kernel->corner[to])) {
+        if (fresh && kernel->own.owner != NULL && !pbwl__hold(kernel, kernel->corner[to])) {
             kernel->scratch.cavity_count = count;
             return PBW__DEFERRED;
         }
         kernel->mark[next] = (unsigned char)(fresh ? count + 1 : kernel->mark[next]);
         kernel->scratch.cavity[count] = (pbw_index)next;
-        ears->entry[count] = (unsigned char)(here + around[k]);
+        ears->seed[count] = (unsigned char)(here + around[k]);
         count += (size_t)fresh;
-        ears->twin[here + around[k]] = (unsigned char)(4 * (kernel->mark[next] - 1u) + (unsigned)(to & 3));
+        ears->opposite[here + around[k]] = (unsigned char)(4 * (kernel->mark[next] - 1u) + (unsigned)(to & 3));
         PBW__PREFETCH(kernel->corner + 4 * next);
         PBW__PREFETCH(kernel->link + 4 * next);
     }
     kernel->scratch.cavity_count = count;
     if (i > 0) {                                     /* it has two vertices of the simplex it was met from */
-        const unsigned from = ears->entry[i], b = ears->turn[from];
-        here = ears->twin[from];
-        ears->vertex[here] = (unsigned char)pbw__rim_place(core, corner[here & 3]);
-        ears->vertex[ears->turn[ears->turn[here]]] = ears->vertex[b];
-        ears->vertex[ears->turn[here]] = ears->vertex[ears->turn[b]];
+        const unsigned from = ears->seed[i], b = ears->next[from];
+        here = ears->opposite[from];
+        ears->vertex[here] = (unsigned char)pbwl__link_place(core, corner[here & 3]);
+        ears->vertex[ears->next[ears->next[here]]] = ears->vertex[b];
+        ears->vertex[ears->next[here]] = ears->vertex[ears->next[b]];
     } else {
-        ears->entry[0] = ears->twin[around[1]];
+        ears->seed[0] = ears->opposite[around[1]];
         for (k = 1; k < 4; k++) {
-            ears->vertex[around[k]] = (unsigned char)pbw__rim_place(core, corner[around[k]]);
+            ears->vertex[around[k]] = (unsigned char)pbwl__link_place(core, corner[around[k]]);
         }
     }
     return PBW_OK;
 }
 
 /* Collects the star of v and the facets of its hole. */
-static pbw_status pbw__open_star(pbw__core *core, pbw_index v)
+static pbw_status pbwl__open_star(pbwl__core *core, pbw_index v)
 {
     pbw__kernel *kernel = &core->kernel;
     pbw_status status = PBW_OK;
     size_t i;
     kernel->scratch.cavity_count = 0;
-    if (!pbw__hold(kernel, v) || !pbw__hold_corners(kernel, core->incident[v])) {
+    if (!pbwl__hold(kernel, v) || !pbwl__hold_corners(kernel, core->incident[v])) {
         return PBW__DEFERRED;
     }
-    if (!pbw__grow_lists(kernel, PBW__MOST_EARS + 8) || !PBW__CORE_GROW(core, rim_vertex, PBW__MOST_EARS + 8)
-        || !PBW__CORE_GROW(core, filling, PBW__MOST_FILLINGS + 1)) {
+    if (!pbw__grow_lists(kernel, PBWL__MOST_EARS + 8) || !PBWL__CORE_GROW(core, link_vertex, PBWL__MOST_EARS + 8)
+        || !PBWL__CORE_GROW(core, new_simplex, PBWL__MOST_NEW + 1)) {
         return PBW_ERROR_MEMORY;
     }
     kernel->scratch.cavity[0] = core->incident[v];
     kernel->scratch.cavity_count = 1;
     kernel->mark[core->incident[v]] = 1;
-    core->rim_vertex[0] = PBW__GHOST;                /* core->local[PBW__GHOST] is always 0 */
-    core->rim_vertices = 1;
-    core->fillings = 0;
+    core->link_vertex[0] = PBW__GHOST;               /* core->local[PBW__GHOST] is always 0 */
+    core->link_vertices = 1;
+    core->new_simplices = 0;
     for (i = 0; i < kernel->scratch.cavity_count && status == PBW_OK; i++) {
-        status = kernel->scratch.cavity_count > PBW__MOST_EARS - 3 ? PBW__UNSUITED : pbw__star_facet(core, v, i);
+        status = kernel->scratch.cavity_count > PBWL__MOST_EARS - 3 ? PBWL__UNSUITED : pbwl__star_facet(core, v, i);
     }
     return status;
 }
 
 /* Lists the edges of the hole; makes the rows of its vertices relative to v. */
-static void pbw__list_ears(pbw__core *core, pbw_index v)
+static void pbwl__list_ears(pbwl__core *core, pbw_index v)
 {
-    pbw__ears *ears = &core->ears;
-    pbw__plane plane;
+    pbwl__ears *ears = &core->ears;
+    pbwl__plane plane;
     unsigned i, k, edges = 0;
-    memcpy(plane.origin, pbw__core_record(core, v), sizeof(plane.origin));
+    memcpy(plane.origin, pbwl__core_record(core, v), sizeof(plane.origin));
     ears->spare = 1e-55;
-    for (i = 1; i < core->rim_vertices; i++) {
-        const double height = pbw__plane_row(&plane, core->record + 4 * (size_t)core->rim_vertex[i], 3, ears->row[i]);
+    for (i = 1; i < core->link_vertices; i++) {
+        const double *x = core->record + 4 * (size_t)core->link_vertex[i];
+        const double height = pbwl__plane_row(&plane, x, 3, ears->row[i]);
         ears->spare = pbw__max(ears->spare, height - ears->row[i][3]);
         ears->degree[i] = 0;
     }
     ears->facets = (unsigned)core->kernel.scratch.cavity_count;
     for (i = 0; i < ears->facets; i++) {
-        unsigned p = ears->twin[ears->entry[i]];
+        unsigned p = ears->opposite[ears->seed[i]];
         for (k = 0; k < 3; k++) {
-            const unsigned q = ears->twin[p];
+            const unsigned q = ears->opposite[p];
             ears->degree[ears->vertex[p]]++;
             if (p < q) {
-                pbw__ear_join(ears, p, q, edges++);
+                pbwl__ear_join(ears, p, q, edges++);
             }
-            p = ears->turn[p];
+            p = ears->next[p];
         }
     }
     ears->edges = edges;
@@ -1164,30 +1173,30 @@ static void pbw__list_ears(pbw__core *core, pbw_index v)
    In: a core, a vertex to remove or to insert.  Out: the triangulation without it, or with it.
    Holds: the invariants of >>core.
 
-   Removal wraps the hole.  Let N be the vertices of the link of v.  The triangulation without v has the same
-   simplices outside of the star of v; inside it has those simplices of the triangulation of N that are in conflict
-   with v: all vertices there are in N, and none of N is in conflict with them.  So behind a facet abc of the hole is
-   the simplex abce: e is the vertex of N strictly on the open side such that no other one of these is in conflict
-   with abce; the ghost, if there is none.  Ties are broken as everywhere, so e is unique, and all facets of the new
-   simplices meet in pairs.  Time: the new simplices times the size of N; if that grows too large, all points are
-   triangulated again.
+   Removal fills the hole by gift wrapping.  Let N be the vertices of the link of v.  The triangulation without v has
+   the same simplices outside of the star of v; inside it has those simplices of the triangulation of N that are in
+   conflict with v: all vertices there are in N, and none of N is in conflict with them.  So behind a facet abc of the
+   hole is the simplex abce: e is the vertex of N strictly on the open side such that no other one of these is in
+   conflict with abce; the ghost, if there is none.  Ties are broken as everywhere, so e is unique, and all facets of
+   the new simplices meet in pairs.  Time: the new simplices times the size of N; if that grows too large, all points
+   are triangulated again.
    ------------------------------------------------------------------------------------------------------ */
-#define PBW__MOST_RIM ((size_t)1 << 21)              /* vertices of a link: three places fit a key */
+#define PBWL__MOST_LINK ((size_t)1 << 21)            /* vertices of a link: three places fit a key */
 
-/* Returns the places of a rim in ascending order, as a key; in the plane the third is above all places. */
-PBW__INLINE uint64_t pbw__rim_key(const pbw_index *v, unsigned dim)
+/* Returns the places of a facet in ascending order, as a key; in the plane the third is above all places. */
+PBW__INLINE uint64_t pbwl__facet_key(const pbw_index *v, unsigned dim)
 {
-    const uint64_t a = v[0], b = v[1], c = dim == 3 ? v[2] : PBW__MOST_RIM;
+    const uint64_t a = v[0], b = v[1], c = dim == 3 ? v[2] : PBWL__MOST_LINK;
     const uint64_t least = a < b ? a : b, most = a < b ? b : a;
     const uint64_t low = c < least ? c : least, high = c > most ? c : most;
     return low | (a + b + c - low - high) << 21 | high << 42;
 }
 
-/* Returns the entry of the table that has, or would have, a rim with this key. */
-PBW__INLINE size_t pbw__rim_find(const pbw__core *core, uint64_t key, size_t room)
+/* Returns the entry of the table that has, or would have, a facet with this key. */
+PBW__INLINE size_t pbwl__facet_find(const pbwl__core *core, uint64_t key, size_t room)
 {
     size_t at = (size_t)(key * 0x9e3779b97f4a7c15u >> 32) & (room - 1);
-    while (core->table[at] != 0 && core->rim[core->table[at] - 1].key != key) {
+    while (core->table[at] != 0 && core->hole_facet[core->table[at] - 1].key != key) {
         at = (at + 1) & (room - 1);
     }
     return at;
@@ -1195,13 +1204,13 @@ PBW__INLINE size_t pbw__rim_find(const pbw__core *core, uint64_t key, size_t roo
 
 /* Collects the star of v in scratch.cavity.  PBW__DEFERRED: not all of its vertices are ours.  The caller clears the
    marks of the cavity, on any status. */
-PBW__INLINE pbw_status pbw__collect_star(pbw__core *core, pbw_index v, size_t dim)
+PBW__INLINE pbw_status pbwl__collect_star(pbwl__core *core, pbw_index v, size_t dim)
 {
     pbw__kernel *kernel = &core->kernel;
     pbw_index *cavity = kernel->scratch.cavity;
     size_t count = 1, i, k;
     kernel->scratch.cavity_count = 0;
-    if (!pbw__hold(kernel, v) || !pbw__hold_corners(kernel, core->incident[v])) {
+    if (!pbwl__hold(kernel, v) || !pbwl__hold_corners(kernel, core->incident[v])) {
         return PBW__DEFERRED;
     }
     cavity[0] = core->incident[v];
@@ -1216,7 +1225,7 @@ PBW__INLINE pbw_status pbw__collect_star(pbw__core *core, pbw_index v, size_t di
         for (k = 0; k <= dim; k++) {
             const size_t next = kernel->link[4 * t + k] >> 2;
             if (kernel->corner[4 * t + k] != v && !kernel->mark[next]) {
-                if (!pbw__hold(kernel, kernel->corner[kernel->link[4 * t + k]])) {
+                if (!pbwl__hold(kernel, kernel->corner[kernel->link[4 * t + k]])) {
                     kernel->scratch.cavity_count = count;
                     return PBW__DEFERRED;
                 }
@@ -1231,166 +1240,167 @@ PBW__INLINE pbw_status pbw__collect_star(pbw__core *core, pbw_index v, size_t di
     return PBW_OK;
 }
 
-/* Collects the star of v in scratch.cavity, its link in rim_vertex and rim. */
-static pbw_status pbw__open_hole(pbw__core *core, pbw_index v)
+/* Collects the star of v in scratch.cavity, its link in link_vertex and hole_facet. */
+static pbw_status pbwl__open_hole(pbwl__core *core, pbw_index v)
 {
     pbw__kernel *kernel = &core->kernel;
     const unsigned dim = (unsigned)kernel->dim;
-    pbw_status status = dim == 3 ? pbw__collect_star(core, v, 3) : pbw__collect_star(core, v, 2);
+    pbw_status status = dim == 3 ? pbwl__collect_star(core, v, 3) : pbwl__collect_star(core, v, 2);
     const size_t count = kernel->scratch.cavity_count;
     size_t i;
     unsigned k;
-    if (status == PBW_OK && (!PBW__CORE_GROW(core, rim, count)
-                             || !PBW__CORE_GROW(core, rim_vertex, (count + 1) * dim + 8))) {
+    if (status == PBW_OK && (!PBWL__CORE_GROW(core, hole_facet, count)
+                             || !PBWL__CORE_GROW(core, link_vertex, (count + 1) * dim + 8))) {
         status = PBW_ERROR_MEMORY;
     }
     if (status != PBW_OK) {
         (void)pbw__leave_cavity(kernel, count);
         return status;
     }
-    core->rim_vertex[0] = PBW__GHOST;                /* core->local[PBW__GHOST] is always 0 */
-    core->rim_vertices = 1;
-    core->rims = core->fillings = 0;
+    core->link_vertex[0] = PBW__GHOST;               /* core->local[PBW__GHOST] is always 0 */
+    core->link_vertices = 1;
+    core->hole_facets = core->new_simplices = 0;
     for (i = 0; i < count; i++) {
         const size_t t = kernel->scratch.cavity[i];
-        const unsigned at = pbw__corner_at(kernel->corner + 4 * t, v);
-        pbw__rim *rim = core->rim + core->rims++;
-        pbw__facet_of(kernel->corner + 4 * t, at, (int)dim, rim->v);
+        const unsigned at = pbwl__corner_at(kernel->corner + 4 * t, v);
+        pbwl__hole_facet *hole_facet = core->hole_facet + core->hole_facets++;
+        pbwl__facet_of(kernel->corner + 4 * t, at, (int)dim, hole_facet->v);
         for (k = 0; k < dim; k++) {
-            rim->v[k] = pbw__rim_place(core, rim->v[k]);
+            hole_facet->v[k] = pbwl__link_place(core, hole_facet->v[k]);
         }
-        rim->key = pbw__rim_key(rim->v, dim);
-        rim->across = kernel->link[4 * t + at];
-        rim->made = rim->closed = 0;
+        hole_facet->key = pbwl__facet_key(hole_facet->v, dim);
+        hole_facet->across = kernel->link[4 * t + at];
+        hole_facet->is_new = hole_facet->closed = 0;
     }
     return PBW_OK;
 }
 
-/* Joins facet k of filling f to the rim with its vertices, or makes it an open rim. */
-static pbw_status pbw__sew(pbw__core *core, size_t f, unsigned k, size_t room)
+/* Joins facet k of new simplex f to the facet of the hole with its vertices, or makes it an open one. */
+static pbw_status pbwl__glue(pbwl__core *core, size_t f, unsigned k, size_t room)
 {
-    pbw__filling *filling = core->filling + f;
+    pbwl__new_simplex *new_simplex = core->new_simplex + f;
     const pbw__link here = (pbw__link)(4 * f + k);
     const unsigned dim = (unsigned)core->kernel.dim;
     pbw_index facet[3];
-    pbw__rim *rim;
+    pbwl__hole_facet *hole_facet;
     uint64_t key;
     size_t at;
-    pbw__facet_of(filling->v, k, (int)dim, facet);
-    key = pbw__rim_key(facet, dim);
-    at = pbw__rim_find(core, key, room);
+    pbwl__facet_of(new_simplex->v, k, (int)dim, facet);
+    key = pbwl__facet_key(facet, dim);
+    at = pbwl__facet_find(core, key, room);
     if (core->table[at] == 0) {
-        rim = core->rim + core->rims++;
-        rim->key = key;
-        rim->v[0] = facet[dim == 2];                 /* in the opposite order */
-        rim->v[1] = facet[dim == 3 ? 2 : 0];
-        rim->v[2] = facet[dim == 3 ? 1 : 2];
-        rim->made = 1;
-        rim->closed = 0;
-        rim->across = here;
-        core->table[at] = (pbw_index)core->rims;
+        hole_facet = core->hole_facet + core->hole_facets++;
+        hole_facet->key = key;
+        hole_facet->v[0] = facet[dim == 2];          /* in the opposite order */
+        hole_facet->v[1] = facet[dim == 3 ? 2 : 0];
+        hole_facet->v[2] = facet[dim == 3 ? 1 : 2];
+        hole_facet->is_new = 1;
+        hole_facet->closed = 0;
+        hole_facet->across = here;
+        core->table[at] = (pbw_index)core->hole_facets;
         return PBW_OK;
     }
-    rim = core->rim + (core->table[at] - 1);
-    if (rim->closed) {
-        return PBW__ANEW;                            /* a third simplex at one facet: impossible */
+    hole_facet = core->hole_facet + (core->table[at] - 1);
+    if (hole_facet->closed) {
+        return PBWL__REBUILD;                        /* a third simplex at one facet: impossible */
     }
-    rim->closed = 1;
-    filling->link[k] = rim->across;
-    filling->made[k] = rim->made;
-    if (rim->made) {
-        core->filling[rim->across >> 2].link[rim->across & 3] = here;
-        core->filling[rim->across >> 2].made[rim->across & 3] = 1;
+    hole_facet->closed = 1;
+    new_simplex->link[k] = hole_facet->across;
+    new_simplex->is_new[k] = hole_facet->is_new;
+    if (hole_facet->is_new) {
+        core->new_simplex[hole_facet->across >> 2].link[hole_facet->across & 3] = here;
+        core->new_simplex[hole_facet->across >> 2].is_new[hole_facet->across & 3] = 1;
     }
     return PBW_OK;
 }
 
 /* Makes room for one more simplex and its facets; the table stays at most half full.  Returns the size of the table,
    0 if memory is short. */
-static size_t pbw__wrap_room(pbw__core *core, size_t room)
+static size_t pbwl__gift_wrap_room(pbwl__core *core, size_t room)
 {
     size_t i;
-    if (!PBW__CORE_GROW(core, filling, core->fillings + 1) || !PBW__CORE_GROW(core, rim, core->rims + 4)) {
+    if (!PBWL__CORE_GROW(core, new_simplex, core->new_simplices + 1)
+        || !PBWL__CORE_GROW(core, hole_facet, core->hole_facets + 4)) {
         return 0;
     }
-    if (room >= 2 * (core->rims + 4)) {
+    if (room >= 2 * (core->hole_facets + 4)) {
         return room;
     }
-    for (room = 64; room < 4 * (core->rims + 4); room *= 2) {
+    for (room = 64; room < 4 * (core->hole_facets + 4); room *= 2) {
     }
-    if (!PBW__CORE_GROW(core, table, room)) {
+    if (!PBWL__CORE_GROW(core, table, room)) {
         return 0;
     }
     memset(core->table, 0, room * sizeof(pbw_index));
-    for (i = 0; i < core->rims; i++) {
-        core->table[pbw__rim_find(core, core->rim[i].key, room)] = (pbw_index)i + 1;
+    for (i = 0; i < core->hole_facets; i++) {
+        core->table[pbwl__facet_find(core, core->hole_facet[i].key, room)] = (pbw_index)i + 1;
     }
     return room;
 }
 
-/* Fills the hole behind its open rims. */
-static pbw_status pbw__wrap(pbw__core *core)
+/* Fills the hole behind its open facets. */
+static pbw_status pbwl__gift_wrap(pbwl__core *core)
 {
     const unsigned dim = (unsigned)core->kernel.dim;
-    size_t room = pbw__wrap_room(core, 0), i, f;
+    size_t room = pbwl__gift_wrap_room(core, 0), i, f;
     pbw_status status = PBW_OK;
     unsigned k;
-    if (core->rim_vertices >= PBW__MOST_RIM) {
-        return PBW__ANEW;
+    if (core->link_vertices >= PBWL__MOST_LINK) {
+        return PBWL__REBUILD;
     }
-    for (i = 0; i < core->rims && status == PBW_OK; i++) {
-        const pbw_index *v = core->rim[i].v;
-        pbw__filling *filling;
+    for (i = 0; i < core->hole_facets && status == PBW_OK; i++) {
+        const pbw_index *v = core->hole_facet[i].v;
+        pbwl__new_simplex *new_simplex;
         pbw_index apex;
-        if (core->rim[i].closed || v[0] == 0 || v[1] == 0 || v[2] == 0) {
+        if (core->hole_facet[i].closed || v[0] == 0 || v[1] == 0 || v[2] == 0) {
             continue;                                /* facets of the ghost are only matched */
         }
-        room = pbw__wrap_room(core, room);
+        room = pbwl__gift_wrap_room(core, room);
         if (room == 0) {
             return PBW_ERROR_MEMORY;
         }
-        v = core->rim[i].v;
-        core->effort += core->rim_vertices;
-        apex = PBW__BY_DIM(core->kernel.dim, pbw__rim_apex, core, v);
-        f = core->fillings++;
-        filling = core->filling + f;
+        v = core->hole_facet[i].v;
+        core->effort += core->link_vertices;
+        apex = PBW__BY_DIM(core->kernel.dim, pbwl__facet_apex, core, v);
+        f = core->new_simplices++;
+        new_simplex = core->new_simplex + f;
         if (apex != 0) {
-            filling->v[0] = apex;
-            filling->v[1] = v[0];
-            filling->v[2] = v[1];
-            filling->v[3] = v[2];
+            new_simplex->v[0] = apex;
+            new_simplex->v[1] = v[0];
+            new_simplex->v[2] = v[1];
+            new_simplex->v[3] = v[2];
         } else {                                     /* the ghost comes last */
-            filling->v[0] = v[0];
-            filling->v[1] = v[dim == 3 ? 2 : 1];
-            filling->v[2] = dim == 3 ? v[1] : 0;
-            filling->v[3] = 0;
+            new_simplex->v[0] = v[0];
+            new_simplex->v[1] = v[dim == 3 ? 2 : 1];
+            new_simplex->v[2] = dim == 3 ? v[1] : 0;
+            new_simplex->v[3] = 0;
         }
         for (k = 0; k <= dim && status == PBW_OK; k++) {
-            status = pbw__sew(core, f, k, room);
+            status = pbwl__glue(core, f, k, room);
         }
     }
-    for (i = 0; i < core->rims && status == PBW_OK && room > 0; i++) {
-        status = core->rim[i].closed ? PBW_OK : PBW__ANEW;
+    for (i = 0; i < core->hole_facets && status == PBW_OK && room > 0; i++) {
+        status = core->hole_facet[i].closed ? PBW_OK : PBWL__REBUILD;
     }
     return room == 0 ? PBW_ERROR_MEMORY : status;
 }
 
-/* Writes the fillings to slots. */
-static void pbw__fill_hole(pbw__core *core)
+/* Writes the new simplices to slots. */
+static void pbwl__fill_hole(pbwl__core *core)
 {
     pbw__kernel *kernel = &core->kernel;
     const unsigned dim = (unsigned)kernel->dim;
     const pbw_index *slot = kernel->scratch.cavity;
     size_t f;
     unsigned k;
-    for (f = 0; f < core->fillings; f++) {
-        const pbw__filling *filling = core->filling + f;
+    for (f = 0; f < core->new_simplices; f++) {
+        const pbwl__new_simplex *new_simplex = core->new_simplex + f;
         const size_t t = slot[f];
         kernel->mark[t] = 0;
         for (k = 0; k <= dim; k++) {
-            const pbw__link to = filling->link[k];
-            kernel->corner[4 * t + k] = core->rim_vertex[filling->v[k]];
-            if (filling->made[k]) {
+            const pbw__link to = new_simplex->link[k];
+            kernel->corner[4 * t + k] = core->link_vertex[new_simplex->v[k]];
+            if (new_simplex->is_new[k]) {
                 kernel->link[4 * t + k] = (pbw__link)slot[to >> 2] * 4 + (to & 3);
             } else {
                 kernel->link[4 * t + k] = to;
@@ -1401,16 +1411,16 @@ static void pbw__fill_hole(pbw__core *core)
 }
 
 /* Fills the hole by >>ears. */
-static PBW__NOINLINE pbw_status pbw__ear_hole(pbw__core *core, pbw_index v)
+static PBW__NOINLINE pbw_status pbwl__ear_hole(pbwl__core *core, pbw_index v)
 {
-    pbw_status status = PBW__UNSUITED;
+    pbw_status status = PBWL__UNSUITED;
 #ifdef PBW__SIMD
     if (core->kernel.dim == 3 && pbw__simd_works()) {
-        status = pbw__open_star(core, v);
+        status = pbwl__open_star(core, v);
         if (status == PBW_OK) {
-            pbw__list_ears(core, v);
-            status = pbw__cut_ears(core);
-            core->effort += core->fillings * core->rim_vertices;
+            pbwl__list_ears(core, v);
+            status = pbwl__cut_ears(core);
+            core->effort += core->new_simplices * core->link_vertices;
         }
         if (status != PBW_OK) {
             (void)pbw__leave_cavity(&core->kernel, core->kernel.scratch.cavity_count);
@@ -1423,67 +1433,68 @@ static PBW__NOINLINE pbw_status pbw__ear_hole(pbw__core *core, pbw_index v)
     return status;
 }
 
-/* Removes a vertex.  PBW__ANEW: no simplex would be left, or its link is too large.  PBW__DEFERRED, from a task only:
-   it does not own all vertices around, or would make no finite simplex, which may mean that none would be left. */
-static pbw_status pbw__remove_vertex(pbw__core *core, pbw_index v)
+/* Removes a vertex.  PBWL__REBUILD: no simplex would be left, or its link is too large.  PBW__DEFERRED, from a task
+   only: it does not own all vertices around, or would make no finite simplex, which may mean that none would be
+   left. */
+static pbw_status pbwl__remove_vertex(pbwl__core *core, pbw_index v)
 {
     pbw__kernel *kernel = &core->kernel;
     size_t made, i;
-    pbw_status status = pbw__ear_hole(core, v);
-    if (status == PBW__UNSUITED) {
-        status = pbw__open_hole(core, v);
+    pbw_status status = pbwl__ear_hole(core, v);
+    if (status == PBWL__UNSUITED) {
+        status = pbwl__open_hole(core, v);
         if (status != PBW_OK) {
             return status;
         }
-        status = pbw__wrap(core);
+        status = pbwl__gift_wrap(core);
     }
-    for (made = i = 0; i < core->fillings; i++) {
-        made += core->filling[i].v[kernel->dim] != 0;
+    for (made = i = 0; i < core->new_simplices; i++) {
+        made += core->new_simplex[i].v[kernel->dim] != 0;
     }
     if (status == PBW_OK && made == 0) {
         status = kernel->own.owner != NULL ? PBW__DEFERRED
-               : core->simplex_count == pbw__count_finite(kernel) ? PBW__ANEW : PBW_OK;
+               : core->simplex_count == pbwl__count_finite(kernel) ? PBWL__REBUILD : PBW_OK;
     }
     if (status != PBW_OK) {
         (void)pbw__leave_cavity(kernel, kernel->scratch.cavity_count);
         return status;
     }
-    kernel->scratch.facet_count = core->fillings;
+    kernel->scratch.facet_count = core->new_simplices;
     status = pbw__take_slots(kernel);
     if (status != PBW_OK) {
-        return pbw__no_room(kernel, status);
+        return pbwl__no_room(kernel, status);
     }
-    pbw__fill_hole(core);
-    core->incident[v] = PBW__GONE;
-    pbw__note_star(core);
+    pbwl__fill_hole(core);
+    core->incident[v] = PBWL__VERTEX_REMOVED;
+    pbwl__note_star(core);
     return PBW_OK;
 }
 
 /* ---- insertion, and hidden vertices */
-/* Lists a vertex as hidden after the commit, in simplex `witness`; PBW_NONE: not known yet. */
-static int pbw__cover_vertex(pbw__core *core, pbw_index v, pbw_index witness)
+/* Lists a vertex as hidden after the commit, in simplex `container`; PBW_NONE: not known yet. */
+static int pbwl__hide_vertex(pbwl__core *core, pbw_index v, pbw_index container)
 {
-    if (!PBW__CORE_GROW(core, covered, core->covered_count + 1)
-        || !PBW__CORE_GROW(core, cover, core->covered_count + 1)) {
+    if (!PBWL__CORE_GROW(core, next_hidden, core->next_hidden_count + 1)
+        || !PBWL__CORE_GROW(core, next_container, core->next_hidden_count + 1)) {
         return 0;
     }
-    core->covered[core->covered_count] = v;
-    core->cover[core->covered_count++] = witness;
+    core->next_hidden[core->next_hidden_count] = v;
+    core->next_container[core->next_hidden_count++] = container;
     core->incident[v] = PBW_NONE;
     return 1;
 }
 
 /* Walks by exact signs from *start to a simplex that contains a vertex that is no corner, or to a ghost.
    PBW__DEFERRED: not all vertices on the way are ours. */
-static pbw_status pbw__find_witness(pbw__core *core, pbw_index *start, pbw_index vertex)
+static pbw_status pbwl__locate_vertex(pbwl__core *core, pbw_index *start, pbw_index vertex)
 {
     pbw__kernel *kernel = &core->kernel;
     const int dim = kernel->dim;
-    const double *p = pbw__core_record(core, vertex);
+    const double *p = pbwl__core_record(core, vertex);
     pbw_index t = pbw__walk_start(kernel, *start, dim);
     unsigned k = 0;
     while (k <= (unsigned)dim && kernel->corner[4 * (size_t)t + (size_t)dim] != PBW__GHOST) {
-        if (!pbw__hold_corners(kernel, t)) {
+        if (!pbwl__hold_corners(kernel, t)) {
             return PBW__DEFERRED;
         }
         k = pbw__exit(kernel, t, p, 0);
@@ -1494,7 +1505,7 @@ static pbw_status pbw__find_witness(pbw__core *core, pbw_index *start, pbw_index
 }
 
 /* Inserts a vertex; the walk starts from simplex `hint`.  The vertex may be hidden, or hide others. */
-static pbw_status pbw__insert_vertex(pbw__core *core, pbw_index v, pbw_index hint)
+static pbw_status pbwl__insert_vertex(pbwl__core *core, pbw_index v, pbw_index hint)
 {
     pbw__kernel *kernel = &core->kernel;
     size_t i;
@@ -1505,17 +1516,17 @@ static pbw_status pbw__insert_vertex(pbw__core *core, pbw_index v, pbw_index hin
     status = kernel->insert(kernel, v);
     core->inserting = 0;
     if (status != PBW_OK) {
-        return pbw__no_room(kernel, status);
+        return pbwl__no_room(kernel, status);
     }
     if (kernel->scratch.facet_count == 0) {
         kernel->last = hint;
-        status = pbw__find_witness(core, &hint, v);
-        return status != PBW_OK || pbw__cover_vertex(core, v, hint) ? status : PBW_ERROR_MEMORY;
+        status = pbwl__locate_vertex(core, &hint, v);
+        return status != PBW_OK || pbwl__hide_vertex(core, v, hint) ? status : PBW_ERROR_MEMORY;
     }
-    pbw__note_star(core);
-    for (i = 0; i < core->rim_vertices && kernel->weighted; i++) {
-        if (core->incident[core->rim_vertex[i]] == PBW_NONE
-            && !pbw__cover_vertex(core, core->rim_vertex[i], PBW_NONE)) {
+    pbwl__note_star(core);
+    for (i = 0; i < core->link_vertices && kernel->weighted; i++) {
+        if (core->incident[core->link_vertex[i]] == PBW_NONE
+            && !pbwl__hide_vertex(core, core->link_vertex[i], PBW_NONE)) {
             return PBW_ERROR_MEMORY;
         }
     }
@@ -1523,49 +1534,49 @@ static pbw_status pbw__insert_vertex(pbw__core *core, pbw_index v, pbw_index hin
 }
 
 /* Returns a simplex to start a walk from: that in slot t, if there is one, or one of the last star. */
-static pbw_index pbw__start_near(const pbw__core *core, pbw_index t)
+static pbw_index pbwl__start_near(const pbwl__core *core, pbw_index t)
 {
     const pbw__kernel *kernel = &core->kernel;
-    if (t >= PBW__GONE || kernel->corner[4 * (size_t)t] == PBW_NONE) {
+    if (t >= PBWL__VERTEX_REMOVED || kernel->corner[4 * (size_t)t] == PBW_NONE) {
         for (t = kernel->last != PBW_NONE ? kernel->last : 0; kernel->corner[4 * (size_t)t] == PBW_NONE; t++) {
         }
     }
     return t;
 }
 
-/* Inserts hidden vertices without a witness, or with one that was deleted, until each hidden one has a witness. */
-static pbw_status pbw__uncover(pbw__core *core)
+/* Inserts hidden vertices without a container, or with one that was deleted, until each hidden one has one. */
+static pbw_status pbwl__settle_hidden(pbwl__core *core)
 {
     int again = 1;
     while (again) {
         size_t i, kept = 0;
-        const size_t count = core->covered_count;
+        const size_t count = core->next_hidden_count;
         again = 0;
         for (i = 0; i < count; i++) {
-            const pbw_index v = core->covered[i], witness = core->cover[i];
+            const pbw_index v = core->next_hidden[i], container = core->next_container[i];
             pbw_status status;
-            if (witness != PBW_NONE && !core->touched[witness]) {
+            if (container != PBW_NONE && !core->touched[container]) {
                 continue;
             }
-            core->covered[i] = PBW__GHOST;
-            status = pbw__insert_vertex(core, v, pbw__start_near(core, witness));
+            core->next_hidden[i] = PBW__GHOST;
+            status = pbwl__insert_vertex(core, v, pbwl__start_near(core, container));
             if (status != PBW_OK) {
                 return status;
             }
-            again |= core->incident[v] < PBW__GONE;
+            again |= core->incident[v] < PBWL__VERTEX_REMOVED;
         }
-        for (i = 0; i < core->covered_count; i++) {
-            if (core->covered[i] != PBW__GHOST) {
-                core->covered[kept] = core->covered[i];
-                core->cover[kept++] = core->cover[i];
+        for (i = 0; i < core->next_hidden_count; i++) {
+            if (core->next_hidden[i] != PBW__GHOST) {
+                core->next_hidden[kept] = core->next_hidden[i];
+                core->next_container[kept++] = core->next_container[i];
             }
         }
-        core->covered_count = kept;
+        core->next_hidden_count = kept;
     }
     return PBW_OK;
 }
 
-static void pbw__swap_lists(pbw_index **a, size_t *a_capacity, pbw_index **b, size_t *b_capacity)
+static void pbwl__swap_lists(pbw_index **a, size_t *a_capacity, pbw_index **b, size_t *b_capacity)
 {
     pbw_index *list = *a;
     const size_t capacity = *a_capacity;
@@ -1575,72 +1586,74 @@ static void pbw__swap_lists(pbw_index **a, size_t *a_capacity, pbw_index **b, si
     *b_capacity = capacity;
 }
 
-/* Makes the covered vertices the hidden ones. */
-static void pbw__swap_covers(pbw__core *core)
+/* Makes the next hidden vertices the hidden ones. */
+static void pbwl__swap_hidden(pbwl__core *core)
 {
-    pbw__swap_lists(&core->hidden, &core->hidden_capacity, &core->covered, &core->covered_capacity);
-    pbw__swap_lists(&core->witness, &core->witness_capacity, &core->cover, &core->cover_capacity);
-    core->hidden_count = core->covered_count;
-    core->covered_count = 0;
+    pbwl__swap_lists(&core->hidden, &core->hidden_capacity, &core->next_hidden, &core->next_hidden_capacity);
+    pbwl__swap_lists(&core->container, &core->container_capacity, &core->next_container,
+                     &core->next_container_capacity);
+    core->hidden_count = core->next_hidden_count;
+    core->next_hidden_count = 0;
 }
 
 /* ---- from points to a core */
 /* The points with the numbers in `list`, contiguous and in that order. */
-typedef struct pbw__stand {
+typedef struct pbwl__gathered {
     double *points, *weights;
     pbw_index *list;
     size_t count, room, dim;
-} pbw__stand;
+} pbwl__gathered;
 
-static void pbw__stand_free(pbw_memory *memory, pbw__stand *stand)
+static void pbwl__gathered_free(pbw_memory *memory, pbwl__gathered *gathered)
 {
-    pbw__release(memory, stand->points, stand->room * stand->dim, sizeof(double));
-    pbw__release(memory, stand->weights, stand->room, sizeof(double));
-    pbw__release(memory, stand->list, stand->room, sizeof(pbw_index));
+    pbw__release(memory, gathered->points, gathered->room * gathered->dim, sizeof(double));
+    pbw__release(memory, gathered->weights, gathered->room, sizeof(double));
+    pbw__release(memory, gathered->list, gathered->room, sizeof(pbw_index));
 }
 
-static int pbw__stand_create(pbw_memory *memory, pbw__stand *stand, size_t room, int dim)
+static int pbwl__gathered_create(pbw_memory *memory, pbwl__gathered *gathered, size_t room, int dim)
 {
-    stand->room = room;
-    stand->count = 0;
-    stand->dim = (size_t)dim;
-    stand->points = (double *)pbw__allocate(memory, room * stand->dim, sizeof(double));
-    stand->weights = (double *)pbw__allocate(memory, room, sizeof(double));
-    stand->list = (pbw_index *)pbw__allocate(memory, room, sizeof(pbw_index));
-    if (stand->points == NULL || stand->weights == NULL || stand->list == NULL) {
+    gathered->room = room;
+    gathered->count = 0;
+    gathered->dim = (size_t)dim;
+    gathered->points = (double *)pbw__allocate(memory, room * gathered->dim, sizeof(double));
+    gathered->weights = (double *)pbw__allocate(memory, room, sizeof(double));
+    gathered->list = (pbw_index *)pbw__allocate(memory, room, sizeof(pbw_index));
+    if (gathered->points == NULL || gathered->weights == NULL || gathered->list == NULL) {
         return 0;
     }
-    pbw__advise(memory, stand->points, room * stand->dim * sizeof(double));
-    pbw__advise(memory, stand->weights, room * sizeof(double));
-    pbw__advise(memory, stand->list, room * sizeof(pbw_index));
+    pbw__advise(memory, gathered->points, room * gathered->dim * sizeof(double));
+    pbw__advise(memory, gathered->weights, room * sizeof(double));
+    pbw__advise(memory, gathered->list, room * sizeof(pbw_index));
     return 1;
 }
 
-PBW__INLINE void pbw__stand_add(pbw__stand *stand, pbw_index id, const double *x, double weight)
+PBW__INLINE void pbwl__gathered_add(pbwl__gathered *gathered, pbw_index id, const double *x, double weight)
 {
-    double *to = stand->points + stand->count * stand->dim;
+    double *to = gathered->points + gathered->count * gathered->dim;
     to[0] = x[0];
     to[1] = x[1];
-    to[stand->dim - 1] = x[stand->dim - 1];
-    stand->weights[stand->count] = weight;
-    stand->list[stand->count++] = id;
+    to[gathered->dim - 1] = x[gathered->dim - 1];
+    gathered->weights[gathered->count] = weight;
+    gathered->list[gathered->count++] = id;
 }
 
-static void pbw__stand_input(const pbw__stand *stand, int weighted, pbw__input *input)
+static void pbwl__gathered_input(const pbwl__gathered *gathered, int weighted, pbw__input *input)
 {
     pbw_options none;
     memset(&none, 0, sizeof(none));
-    *input = pbw__input_of((int)stand->dim, 0, stand->points, weighted ? stand->weights : NULL, stand->count);
+    *input = pbw__input_of((int)gathered->dim, 0, gathered->points, weighted ? gathered->weights : NULL,
+                           gathered->count);
     (void)pbw__input_check(input, &none);
 }
 
 /* After the build: finds incident simplices, free slots and hidden vertices. */
-static pbw_status pbw__core_scan(pbw__core *core)
+static pbw_status pbwl__core_scan(pbwl__core *core)
 {
     pbw__kernel *kernel = &core->kernel;
     const size_t dim = (size_t)kernel->dim;
     size_t t, k;
-    pbw_index v, witness;
+    pbw_index v, container;
     core->simplex_count = 0;
     for (t = 0; t < core->store.count; t++) {
         const pbw_index *corner = kernel->corner + 4 * t;
@@ -1652,14 +1665,14 @@ static pbw_status pbw__core_scan(pbw__core *core)
             kernel->last = (pbw_index)t;
         }
     }
-    pbw__list_free_slots(core);
-    if (!pbw__journal_reserve(core)) {
+    pbwl__list_free_slots(core);
+    if (!pbwl__journal_reserve(core)) {
         return PBW_ERROR_MEMORY;
     }
-    for (v = 1, witness = kernel->last; v <= core->vertex_count && kernel->weighted; v++) {
+    for (v = 1, container = kernel->last; v <= core->vertex_count && kernel->weighted; v++) {
         if (core->incident[v] == PBW_NONE) {
-            (void)pbw__find_witness(core, &witness, (pbw_index)v);
-            if (!pbw__cover_vertex(core, v, witness)) {
+            (void)pbwl__locate_vertex(core, &container, (pbw_index)v);
+            if (!pbwl__hide_vertex(core, v, container)) {
                 return PBW_ERROR_MEMORY;
             }
         }
@@ -1668,17 +1681,17 @@ static pbw_status pbw__core_scan(pbw__core *core)
 }
 
 /* list: per id of a vertex, its number.  box: per task, the box of its records. */
-typedef struct pbw__taking {
-    pbw__core *core;
+typedef struct pbwl__taking {
+    pbwl__core *core;
     const pbw_index *list;
     double (*box)[8];
     int tasks;
-} pbw__taking;
+} pbwl__taking;
 
 /* Computes the box of a task's records, and names its vertices. */
-PBW__INLINE void pbw__core_take_of(const pbw__taking *taking, int task, int dim)
+PBW__INLINE void pbwl__core_take_of(const pbwl__taking *taking, int task, int dim)
 {
-    pbw__core *core = taking->core;
+    pbwl__core *core = taking->core;
     const size_t width = (size_t)dim + 1, end = pbw__share(core->vertex_count, task + 1, taking->tasks) + 1;
     double low[4] = { HUGE_VAL, HUGE_VAL, HUGE_VAL, HUGE_VAL };
     double high[4] = { -HUGE_VAL, -HUGE_VAL, -HUGE_VAL, -HUGE_VAL };
@@ -1702,17 +1715,17 @@ PBW__INLINE void pbw__core_take_of(const pbw__taking *taking, int task, int dim)
     memcpy(taking->box[task] + 4, high, sizeof(high));
 }
 
-static void pbw__core_take_share(void *arg, int task)
+static void pbwl__core_take_share(void *arg, int task)
 {
-    const pbw__taking *taking = (const pbw__taking *)arg;
-    PBW__BY_DIM(taking->core->kernel.dim, pbw__core_take_of, taking, task);
+    const pbwl__taking *taking = (const pbwl__taking *)arg;
+    PBW__BY_DIM(taking->core->kernel.dim, pbwl__core_take_of, taking, task);
 }
 
 /* Makes room for vertices and numbers. */
-static int pbw__core_reserve(pbw__core *core, size_t records, size_t numbers)
+static int pbwl__core_reserve(pbwl__core *core, size_t records, size_t numbers)
 {
-    if (!PBW__CORE_GROW(core, incident, records) || !PBW__CORE_GROW(core, local, records)
-        || !PBW__CORE_GROW(core, vertex, numbers) || !PBW__CORE_GROW(core, twin, numbers)) {
+    if (!PBWL__CORE_GROW(core, incident, records) || !PBWL__CORE_GROW(core, local, records)
+        || !PBWL__CORE_GROW(core, vertex, numbers) || !PBWL__CORE_GROW(core, twin, numbers)) {
         return 0;
     }
     memset(core->local, 0, core->local_capacity * sizeof(pbw_index));
@@ -1721,11 +1734,11 @@ static int pbw__core_reserve(pbw__core *core, size_t records, size_t numbers)
 
 /* Moves the records into the core, names the vertices, and chains the numbers at one point.  `canonical` and `id` of
    the vertices are places in the list of numbers. */
-static pbw_status pbw__core_take(pbw__core *core, pbw__vertices *vertices, const pbw_index *list)
+static pbw_status pbwl__core_take(pbwl__core *core, pbw__vertices *vertices, const pbw_index *list)
 {
     pbw__context *context = core->kernel.context;
     const size_t records = vertices->point_count + 1, width = (size_t)vertices->dim + 1;
-    pbw__taking taking;
+    pbwl__taking taking;
     size_t i, k;
     core->record = vertices->record;
     core->record_capacity = records * width;
@@ -1743,7 +1756,7 @@ static pbw_status pbw__core_take(pbw__core *core, pbw__vertices *vertices, const
     if (taking.box == NULL) {
         return PBW_ERROR_MEMORY;
     }
-    pbw__for(context, taking.tasks, pbw__core_take_share, &taking);
+    pbw__for(context, taking.tasks, pbwl__core_take_share, &taking);
     for (k = 0; k < width; k++) {
         core->low[k] = taking.box[0][k];
         core->high[k] = taking.box[0][4 + k];
@@ -1766,7 +1779,7 @@ static pbw_status pbw__core_take(pbw__core *core, pbw__vertices *vertices, const
 }
 
 /* Makes a kernel for the vertices of the core. */
-static pbw_status pbw__core_start(pbw__context *context, pbw__core *core, pbw__vertices *vertices)
+static pbw_status pbwl__core_start(pbw__context *context, pbwl__core *core, pbw__vertices *vertices)
 {
     pbw_status status;
     vertices->record = core->record;
@@ -1774,8 +1787,8 @@ static pbw_status pbw__core_start(pbw__context *context, pbw__core *core, pbw__v
     status = pbw__kernel_create(&core->kernel, context, &core->store, vertices, &core->grid);
     vertices->record = NULL;
     core->kernel.journal = core;
-    core->kernel.note_cavity = pbw__journal_cavity;
-    core->kernel.note_slots = pbw__journal_slots;
+    core->kernel.note_cavity = pbwl__journal_cavity;
+    core->kernel.note_slots = pbwl__journal_slots;
     core->kernel.slots.region = 0;                   /* all free slots are in the list */
     core->kernel.slots.free_list = PBW_NONE;
     core->store.region_bits = 31;
@@ -1783,8 +1796,8 @@ static pbw_status pbw__core_start(pbw__context *context, pbw__core *core, pbw__v
 }
 
 /* Triangulates points; PBW_DEGENERATE: there are no simplices.  The caller frees the core, on any status. */
-static pbw_status pbw__core_build(pbw__context *context, const pbw__stand *stand, int weighted, size_t numbers,
-                                  pbw__core *core)
+static pbw_status pbwl__core_build(pbw__context *context, const pbwl__gathered *gathered, int weighted,
+                                   size_t numbers, pbwl__core *core)
 {
     pbw__vertices vertices;
     pbw__input input;
@@ -1793,11 +1806,11 @@ static pbw_status pbw__core_build(pbw__context *context, const pbw__stand *stand
     memset(core, 0, sizeof(*core));
     memset(&statistics, 0, sizeof(statistics));
     core->kernel.context = context;
-    core->kernel.dim = (int)stand->dim;
-    if (stand->count == 0) {
+    core->kernel.dim = (int)gathered->dim;
+    if (gathered->count == 0) {
         return PBW_DEGENERATE;
     }
-    pbw__stand_input(stand, weighted, &input);
+    pbwl__gathered_input(gathered, weighted, &input);
     input.padded = 1;
     status = pbw__enter_stage(context, PBW_STAGE_ORDER) ? PBW_CANCELLED : pbw__order(context, &input, &vertices);
     if (status != PBW_OK) {
@@ -1808,18 +1821,18 @@ static pbw_status pbw__core_build(pbw__context *context, const pbw__stand *stand
     if (status == PBW_OK || status == PBW_DEGENERATE) {
         pbw_status taken = vertices.duplicate_count == 0 ? PBW_OK : pbw__make_canonical(context, &vertices, NULL);
         taken = taken != PBW_OK ? taken
-              : !pbw__core_reserve(core, vertices.point_count + 1, numbers) ? PBW_ERROR_MEMORY
-              : pbw__core_take(core, &vertices, stand->list);
+              : !pbwl__core_reserve(core, vertices.point_count + 1, numbers) ? PBW_ERROR_MEMORY
+              : pbwl__core_take(core, &vertices, gathered->list);
         status = taken != PBW_OK ? taken : status;
     }
     if (status == PBW_OK) {
         memset(core->incident, 0xff, core->incident_capacity * sizeof(pbw_index));           /* PBW_NONE */
     }
-    status = status == PBW_OK ? pbw__core_start(context, core, &vertices) : status;
+    status = status == PBW_OK ? pbwl__core_start(context, core, &vertices) : status;
     if (status == PBW_OK) {
-        status = pbw__core_scan(core);
-        pbw__swap_covers(core);
-        pbw__journal_clear(core);
+        status = pbwl__core_scan(core);
+        pbwl__swap_hidden(core);
+        pbwl__journal_clear(core);
     } else if (status == PBW_DEGENERATE) {
         pbw__store_free(&context->memory, &core->store);
     }
@@ -1845,47 +1858,47 @@ static pbw_status pbw__core_build(pbw__context *context, const pbw__stand *stand
    their quadrilateral is not strictly convex, or flips are too many, the caller takes another way.  An edge at the
    ghost is flipped if the hull is not convex there.
    ------------------------------------------------------------------------------------------------------ */
-#define PBW__INVERTED 128                            /* a mark: the simplex is not positive; else bits of facets */
+#define PBWL__INVERTED 128                           /* a mark: the simplex is not positive; else bits of facets */
 
-typedef struct pbw__verifying {
-    pbw__core *core;
+typedef struct pbwl__verifying {
+    pbwl__core *core;
     double o[4], ahead[4];                           /* a point inside of a simplex; another one on a ray from it */
     size_t inverted, failing, most, covers;          /* most: with more failing facets the test is given up */
     float *depth;                                    /* four for each of the slots from..to-1; NULL: no vectors */
     size_t from, to;
     double scale;                                    /* of the depths */
-} pbw__verifying;
+} pbwl__verifying;
 
 /* Returns the orientation of a simplex with corner i (dim+1: none) replaced by p, which need not be on the grid. */
-static int pbw__slot_side(const pbw__core *core, size_t t, int i, const double *p)
+static int pbwl__slot_side(const pbwl__core *core, size_t t, int i, const double *p)
 {
     const int dim = core->kernel.dim;
     const double *x[4] = { NULL, NULL, NULL, NULL };
     int k;
     for (k = 0; k <= dim; k++) {
-        x[k] = k == i ? p : pbw__core_record(core, core->kernel.corner[4 * t + (size_t)k]);
+        x[k] = k == i ? p : pbwl__core_record(core, core->kernel.corner[4 * t + (size_t)k]);
     }
     return pbw__orient(dim, x, i > dim ? &core->grid : NULL);
 }
 
-/* Returns the set of facets of the simplex in slot t that are not locally regular, or PBW__INVERTED.  all: tests each
-   facet, not only those that are tested from this side. */
-PBW__INLINE unsigned pbw__slot_faults(const pbw__core *core, size_t t, int all, int dim)
+/* Returns the set of facets of the simplex in slot t that are not locally regular, or PBWL__INVERTED.  all: tests
+   each facet, not only those that are tested from this side. */
+PBW__INLINE unsigned pbwl__slot_faults(const pbwl__core *core, size_t t, int all, int dim)
 {
     const pbw_index *v = core->kernel.corner + 4 * t;
     const pbw__link *link = core->kernel.link + 4 * t;
     const int ghost = v[dim] == PBW__GHOST;
-    pbw__plane plane;
+    pbwl__plane plane;
     unsigned faults = 0;
     int k;
     memset(&plane, 0, sizeof(plane));
     if (!ghost) {
         double side;
-        pbw__plane_of(core, v, dim, &plane);
+        pbwl__plane_of(core, v, dim, &plane);
         side = plane.orientation;
-        if (!(side > 0.0 && side * side > pbw__side_limit(plane.height, dim))
-            && pbw__slot_side(core, t, dim + 1, NULL) <= 0) {
-            return PBW__INVERTED;
+        if (!(side > 0.0 && side * side > pbwl__side_limit(plane.height, dim))
+            && pbwl__slot_side(core, t, dim + 1, NULL) <= 0) {
+            return PBWL__INVERTED;
         }
     }
     for (k = 0; k <= dim - ghost; k++) {
@@ -1895,9 +1908,9 @@ PBW__INLINE unsigned pbw__slot_faults(const pbw__core *core, size_t t, int all, 
         if (far == PBW__GHOST || (!ghost && !all && t > link[k] >> 2)) {
             continue;
         }
-        row[4] = ghost ? 0.0 : pbw__plane_row(&plane, e, dim, row);
+        row[4] = ghost ? 0.0 : pbwl__plane_row(&plane, e, dim, row);
         if (ghost ? pbw__simplex_conflict(&core->kernel, (pbw_index)t, e)
-                  : pbw__plane_conflict(core, &plane, v, far, row, dim)) {
+                  : pbwl__plane_conflict(core, &plane, v, far, row, dim)) {
             faults |= 1u << k;
         }
     }
@@ -1930,18 +1943,18 @@ PBW__INLINE unsigned pbw__slot_faults(const pbw__core *core, size_t t, int all, 
    conversion of 2^-24 change it by less than 1e-7 of it.  Underflow takes less than half of the least float, 2^-150,
    and, if scale / V is denormal, 2^-1075 (36 h^3), h^3 < 1e270.  Depths are in units of the scale, which is that of
    the points' box.  Other simplices, ghosts and free slots get NaN: their signs are left open. */
-#define PBW__DEPTH2_ERROR 9e-15                      /* of H, times h^2, h^3 */
-#define PBW__DEPTH3_ERROR 4.7e-13
-#define PBW__DEPTH2_LEAST 1e-12                      /* of V^2, times h^2, h^3 */
-#define PBW__DEPTH3_LEAST 2.5e-11
-#define PBW__DEPTH_V_ERROR 1.2e-9                    /* of V, relative */
-#define PBW__DEPTH_ERROR 1e-7                        /* of a depth, relative */
-#define PBW__DEPTH_LOST 1e-45                        /* to underflow */
-#define PBW__DEPTH_MOST 1e270                        /* of h^2, h^3 */
+#define PBWL__DEPTH2_ERROR 9e-15                     /* of H, times h^2, h^3 */
+#define PBWL__DEPTH3_ERROR 4.7e-13
+#define PBWL__DEPTH2_LEAST 1e-12                     /* of V^2, times h^2, h^3 */
+#define PBWL__DEPTH3_LEAST 2.5e-11
+#define PBWL__DEPTH_V_ERROR 1.2e-9                   /* of V, relative */
+#define PBWL__DEPTH_ERROR 1e-7                       /* of a depth, relative */
+#define PBWL__DEPTH_LOST 1e-45                       /* to underflow */
+#define PBWL__DEPTH_MOST 1e270                       /* of h^2, h^3 */
 
 #ifdef PBW__SIMD
 /* Makes the points of four vertices the origins of the four lanes. */
-PBW__SIMD_INLINE void pbw__origins4(const double *record, const pbw_index *v, pbw__point4 *origin)
+PBW__SIMD_INLINE void pbwl__origins4(const double *record, const pbw_index *v, pbw__point4 *origin)
 {
     const size_t width = (size_t)origin->dim + 1;
     const double *a = record + width * v[0], *b = record + width * v[1], *c = record + width * v[2],
@@ -1956,8 +1969,8 @@ PBW__SIMD_INLINE void pbw__origins4(const double *record, const pbw_index *v, pb
 
 /* Computes V and H of four simplices, one in each lane, with the last corners as origins.  Returns the largest
    heights. */
-PBW__SIMD_INLINE pbw__d4 pbw__depths4(const double *record, pbw_index v[4][4], const pbw__point4 *origin, pbw__d4 *V,
-                                      pbw__d4 *H)
+PBW__SIMD_INLINE pbw__d4 pbwl__depths4(const double *record, pbw_index v[4][4], const pbw__point4 *origin, pbw__d4 *V,
+                                       pbw__d4 *H)
 {
     const pbw__rows4 a = pbw__rows4_of(record, v[0], 0, origin), b = pbw__rows4_of(record, v[1], 0, origin);
     const pbw__d4 h = pbw__max4(pbw__max4(a.height, b.height), pbw__splat(1e-55));
@@ -1992,9 +2005,9 @@ PBW__SIMD_INLINE pbw__d4 pbw__depths4(const double *record, pbw_index v[4][4], c
 
 /* Stores the depths of the simplices in four slots: NaN unless the simplex is certainly positive.  Free slots read
    the record of the ghost, too. */
-PBW__SIMD_INLINE void pbw__depths_of(const pbw__verifying *verifying, const pbw_index *slot, float *depths, int dim)
+PBW__SIMD_INLINE void pbwl__depths_of(const pbwl__verifying *verifying, const pbw_index *slot, float *depths, int dim)
 {
-    const pbw__core *core = verifying->core;
+    const pbwl__core *core = verifying->core;
     const pbw__d4 nan = pbw__splat(HUGE_VAL) - pbw__splat(HUGE_VAL);
     pbw__point4 origin = pbw__point4_of(core->record, dim, core->kernel.weighted, (size_t)dim + 1);
     pbw__d4 h, V, H[4], power, scale, certain;
@@ -2007,46 +2020,46 @@ PBW__SIMD_INLINE void pbw__depths_of(const pbw__verifying *verifying, const pbw_
             v[k][i] = corner[k] & used;
         }
     }
-    pbw__origins4(core->record, v[dim], &origin);
-    h = pbw__depths4(core->record, v, &origin, &V, H);
+    pbwl__origins4(core->record, v[dim], &origin);
+    h = pbwl__depths4(core->record, v, &origin, &V, H);
     power = dim == 2 ? h * h : h * h * h;
-    certain = pbw__greater(V * V, power * pbw__splat(dim == 2 ? PBW__DEPTH2_LEAST : PBW__DEPTH3_LEAST));
-    certain = pbw__and4(certain, pbw__greater(pbw__splat(PBW__DEPTH_MOST), power));
+    certain = pbw__greater(V * V, power * pbw__splat(dim == 2 ? PBWL__DEPTH2_LEAST : PBWL__DEPTH3_LEAST));
+    certain = pbw__and4(certain, pbw__greater(pbw__splat(PBWL__DEPTH_MOST), power));
     certain = pbw__and4(certain, pbw__greater(V, pbw__splat(0.0)));
     scale = pbw__blend(nan, pbw__splat(verifying->scale) / V, certain);
-    power = power * pbw__splat(dim == 2 ? PBW__DEPTH2_ERROR : PBW__DEPTH3_ERROR);
+    power = power * pbw__splat(dim == 2 ? PBWL__DEPTH2_ERROR : PBWL__DEPTH3_ERROR);
     for (k = 0; k < 4; k++) {
         const pbw__d4 depth = (H[k] - power) * scale;
-        H[k] = depth - pbw__fma(pbw__abs4(depth), pbw__splat(PBW__DEPTH_ERROR), pbw__splat(PBW__DEPTH_LOST));
+        H[k] = depth - pbw__fma(pbw__abs4(depth), pbw__splat(PBWL__DEPTH_ERROR), pbw__splat(PBWL__DEPTH_LOST));
     }
     pbw__store_rows(depths, H[0], H[1], H[2], H[3]);
 }
 
-/* pbw__depths_of for a list of slots; count is a multiple of four. */
-PBW__SIMD static PBW__NOINLINE void pbw__depths(const pbw__verifying *verifying, const pbw_index *slot, size_t count,
-                                                float *depths)
+/* pbwl__depths_of for a list of slots; count is a multiple of four. */
+PBW__SIMD static PBW__NOINLINE void pbwl__depths(const pbwl__verifying *verifying, const pbw_index *slot,
+                                                 size_t count, float *depths)
 {
     const int dim = verifying->core->kernel.dim;
     size_t i;
     for (i = 0; i < count; i += 4) {
-        PBW__BY_DIM(dim, pbw__depths_of, verifying, slot + i, depths + 4 * i);
+        PBW__BY_DIM(dim, pbwl__depths_of, verifying, slot + i, depths + 4 * i);
     }
 }
 #endif
 
-#define PBW__VERIFIED ((size_t)65536)                /* slots of a window, for each thread: a megabyte of depths */
-#define PBW__PENDING ((size_t)64)                    /* facets between windows that are judged together */
+#define PBWL__VERIFIED ((size_t)65536)               /* slots of a window, for each thread: a megabyte of depths */
+#define PBWL__PENDING ((size_t)64)                   /* facets between windows that are judged together */
 
 /* Returns whether the ray from o through `ahead` meets the closed facet of the ghost in slot t: ahead - o is then a
    sum of (corner - o) without negative coefficients. */
-static int pbw__ray_meets(const pbw__verifying *verifying, size_t t)
+static int pbwl__ray_meets(const pbwl__verifying *verifying, size_t t)
 {
-    const pbw__core *core = verifying->core;
+    const pbwl__core *core = verifying->core;
     const int dim = core->kernel.dim;
     const double *x[4] = { NULL, NULL, NULL, NULL };
     int i, side = -1;
     for (i = 0; i < dim; i++) {
-        x[i] = pbw__core_record(core, core->kernel.corner[4 * t + (size_t)i]);
+        x[i] = pbwl__core_record(core, core->kernel.corner[4 * t + (size_t)i]);
     }
     x[dim] = verifying->o;
     for (i = 0; i < dim && side <= 0; i++) {         /* negative with all corners: o is inside */
@@ -2056,28 +2069,29 @@ static int pbw__ray_meets(const pbw__verifying *verifying, size_t t)
 }
 
 /* Returns 2 if o is not on the inner side of the facet of the ghost in slot t, 1 if the ray meets this facet. */
-static size_t pbw__covers(const pbw__verifying *verifying, size_t t)
+static size_t pbwl__covers(const pbwl__verifying *verifying, size_t t)
 {
-    return pbw__slot_side(verifying->core, t, verifying->core->kernel.dim, verifying->o) >= 0
-           ? 2 : (size_t)pbw__ray_meets(verifying, t);
+    return pbwl__slot_side(verifying->core, t, verifying->core->kernel.dim, verifying->o) >= 0
+           ? 2 : (size_t)pbwl__ray_meets(verifying, t);
 }
 
 /* Judges exactly those facets of a simplex that are tested from this side. */
-static PBW__NOINLINE void pbw__verify_slot(pbw__verifying *verifying, size_t t)
+static PBW__NOINLINE void pbwl__verify_slot(pbwl__verifying *verifying, size_t t)
 {
-    pbw__core *core = verifying->core;
-    const unsigned faults = core->kernel.dim == 3 ? pbw__slot_faults(core, t, 0, 3) : pbw__slot_faults(core, t, 0, 2);
+    pbwl__core *core = verifying->core;
+    const unsigned faults = core->kernel.dim == 3 ? pbwl__slot_faults(core, t, 0, 3)
+                                                  : pbwl__slot_faults(core, t, 0, 2);
     if (faults != 0 && core->kernel.mark[t] == 0) {  /* it may be judged for each facet */
         core->kernel.mark[t] = (unsigned char)faults;
-        (void)PBW__ADD(faults == PBW__INVERTED ? &verifying->inverted : &verifying->failing, 1);
+        (void)PBW__ADD(faults == PBWL__INVERTED ? &verifying->inverted : &verifying->failing, 1);
     }
 }
 
 #ifdef PBW__SIMD
 /* Computes the depths of slots from..to-1 of the window. */
-static pbw_status pbw__verify_depths(void *arg, size_t from, size_t to)
+static pbw_status pbwl__verify_depths(void *arg, size_t from, size_t to)
 {
-    const pbw__verifying *verifying = (const pbw__verifying *)arg;
+    const pbwl__verifying *verifying = (const pbwl__verifying *)arg;
     pbw_index slot[64];
     for (; from < to; from += 64) {
         const size_t count = to - from < 64 ? to - from : 64;
@@ -2085,29 +2099,29 @@ static pbw_status pbw__verify_depths(void *arg, size_t from, size_t to)
         for (i = 0; i < 64; i++) {                   /* the last ones fill up to a multiple of four */
             slot[i] = (pbw_index)(verifying->from + from + (i < count ? i : count - 1));
         }
-        pbw__depths(verifying, slot, (count + 3) / 4 * 4, verifying->depth + 4 * from);
+        pbwl__depths(verifying, slot, (count + 3) / 4 * 4, verifying->depth + 4 * from);
     }
     return PBW_OK;
 }
 
 /* Facets between this window and later ones. */
-typedef struct pbw__verify_links { size_t count; pbw__link pending[PBW__PENDING + 4]; } pbw__verify_links;
+typedef struct pbwl__verify_links { size_t count; pbw__link pending[PBWL__PENDING + 4]; } pbwl__verify_links;
 
 /* Judges the pending facets, and empties the list. */
-static void pbw__verify_pending(pbw__verifying *verifying, pbw__verify_links *links)
+static void pbwl__verify_pending(pbwl__verifying *verifying, pbwl__verify_links *links)
 {
     const pbw__link *link = verifying->core->kernel.link;
-    float behind[4 * (PBW__PENDING + 4)];
-    pbw_index slot[PBW__PENDING + 4];
+    float behind[4 * (PBWL__PENDING + 4)];
+    pbw_index slot[PBWL__PENDING + 4];
     size_t i;
     for (i = 0; i < (links->count + 3) / 4 * 4; i++) {
         slot[i] = (pbw_index)(link[links->pending[i < links->count ? i : 0]] >> 2);
     }
-    pbw__depths(verifying, slot, i, behind);
+    pbwl__depths(verifying, slot, i, behind);
     for (i = 0; i < links->count; i++) {
         const pbw__link here = links->pending[i];
         if (!(verifying->depth[here - 4 * verifying->from] + behind[4 * i + (link[here] & 3)] > 0.0f)) {
-            pbw__verify_slot(verifying, here >> 2);
+            pbwl__verify_slot(verifying, here >> 2);
         }
     }
     links->count = 0;
@@ -2115,7 +2129,7 @@ static void pbw__verify_pending(pbw__verifying *verifying, pbw__verify_links *li
 
 /* Returns whether facet `here` is certainly locally regular, or is judged elsewhere.  Branchless: the slot across is
    unpredictable. */
-PBW__INLINE int pbw__verify_facet(const pbw__verifying *verifying, pbw__verify_links *links, pbw__link here)
+PBW__INLINE int pbwl__verify_facet(const pbwl__verifying *verifying, pbwl__verify_links *links, pbw__link here)
 {
     const pbw__link first = (pbw__link)(4 * verifying->from), all = (pbw__link)(4 * verifying->to) - first;
     const pbw__link across = verifying->core->kernel.link[here], there = across - first;
@@ -2126,11 +2140,11 @@ PBW__INLINE int pbw__verify_facet(const pbw__verifying *verifying, pbw__verify_l
 
 /* Judges the facets of slots from..to-1 by their depths on both sides, or exactly.  For slots outside of the window
    the depth at its end, infinity, leaves the facet to another test. */
-PBW__INLINE void pbw__verify_facets_of(pbw__verifying *shared, size_t from, size_t to, int dim)
+PBW__INLINE void pbwl__verify_facets_of(pbwl__verifying *shared, size_t from, size_t to, int dim)
 {
-    const pbw__verifying verifying = *shared;        /* a copy, as the stores below might alias it */
+    const pbwl__verifying verifying = *shared;       /* a copy, as the stores below might alias it */
     const pbw_index *corner = verifying.core->kernel.corner;
-    pbw__verify_links links;
+    pbwl__verify_links links;
     size_t covers = 0, t;
     links.count = 0;
     for (t = from; t < to; t++) {
@@ -2139,70 +2153,70 @@ PBW__INLINE void pbw__verify_facets_of(pbw__verifying *shared, size_t from, size
         if (corner[here] == PBW_NONE) {
             continue;
         }
-        certain = pbw__verify_facet(&verifying, &links, here) & pbw__verify_facet(&verifying, &links, here + 1)
-                & pbw__verify_facet(&verifying, &links, here + 2)
-                & (dim == 2 || pbw__verify_facet(&verifying, &links, here + 3));
+        certain = pbwl__verify_facet(&verifying, &links, here) & pbwl__verify_facet(&verifying, &links, here + 1)
+                & pbwl__verify_facet(&verifying, &links, here + 2)
+                & (dim == 2 || pbwl__verify_facet(&verifying, &links, here + 3));
         if (PBW__UNLIKELY(!certain)) {
-            pbw__verify_slot(shared, t);
-            covers += corner[here + (unsigned)dim] == PBW__GHOST ? pbw__covers(shared, t) : 0;
+            pbwl__verify_slot(shared, t);
+            covers += corner[here + (unsigned)dim] == PBW__GHOST ? pbwl__covers(shared, t) : 0;
         }
-        if (links.count >= PBW__PENDING) {
-            pbw__verify_pending(shared, &links);
+        if (links.count >= PBWL__PENDING) {
+            pbwl__verify_pending(shared, &links);
         }
     }
-    pbw__verify_pending(shared, &links);
+    pbwl__verify_pending(shared, &links);
     (void)PBW__ADD(&shared->covers, covers);
 }
 #endif
 
-/* Adds pbw__covers of the ghosts in slots from..to-1. */
-static pbw_status pbw__cover_range(void *arg, size_t from, size_t to)
+/* Adds pbwl__covers of the ghosts in slots from..to-1. */
+static pbw_status pbwl__cover_range(void *arg, size_t from, size_t to)
 {
-    pbw__verifying *verifying = (pbw__verifying *)arg;
+    pbwl__verifying *verifying = (pbwl__verifying *)arg;
     const pbw_index *corner = verifying->core->kernel.corner;
     const size_t dim = (size_t)verifying->core->kernel.dim;
     size_t covers = 0, t;
     for (t = from; t < to; t++) {
-        covers += corner[4 * t] != PBW_NONE && corner[4 * t + dim] == PBW__GHOST ? pbw__covers(verifying, t) : 0;
+        covers += corner[4 * t] != PBW_NONE && corner[4 * t + dim] == PBW__GHOST ? pbwl__covers(verifying, t) : 0;
     }
     (void)PBW__ADD(&verifying->covers, covers);
     return PBW_OK;
 }
 
-/* Judges the simplices and facets of slots from..to-1 of the window, and counts as pbw__cover_range does. */
-static pbw_status pbw__verify_range(void *arg, size_t from, size_t to)
+/* Judges the simplices and facets of slots from..to-1 of the window, and counts as pbwl__cover_range does. */
+static pbw_status pbwl__verify_range(void *arg, size_t from, size_t to)
 {
-    pbw__verifying *verifying = (pbw__verifying *)arg;
+    pbwl__verifying *verifying = (pbwl__verifying *)arg;
     const pbw_index *corner = verifying->core->kernel.corner;
     size_t t;
     from += verifying->from;
     to += verifying->from;
     if (PBW__LOAD(&verifying->inverted) > 0 || PBW__LOAD(&verifying->failing) > verifying->most) {
-        return PBW__ANEW;
+        return PBWL__REBUILD;
     }
 #ifdef PBW__SIMD
     if (verifying->depth != NULL) {
-        PBW__BY_DIM(verifying->core->kernel.dim, pbw__verify_facets_of, verifying, from, to);
+        PBW__BY_DIM(verifying->core->kernel.dim, pbwl__verify_facets_of, verifying, from, to);
         return PBW_OK;
     }
 #endif
     for (t = from; t < to; t++) {
         if (corner[4 * t] != PBW_NONE) {
-            pbw__verify_slot(verifying, t);
+            pbwl__verify_slot(verifying, t);
         }
     }
-    return pbw__cover_range(verifying, from, to);
+    return pbwl__cover_range(verifying, from, to);
 }
 
 /* Where no facet may fail, tests a sample first: if many facets fail, one of these does. */
-static pbw_status pbw__verify_some(const pbw__core *core)
+static pbw_status pbwl__verify_some(const pbwl__core *core)
 {
     const size_t count = core->store.count, step = count / 256 + 1;
     const int dim = core->kernel.dim;
     size_t t;
     for (t = 0; t < count && step >= 16; t += step) {
-        if (core->kernel.corner[4 * t] != PBW_NONE && pbw__slot_faults(core, t, 1, dim) != 0) {
-            return PBW__ANEW;
+        if (core->kernel.corner[4 * t] != PBW_NONE && pbwl__slot_faults(core, t, 1, dim) != 0) {
+            return PBWL__REBUILD;
         }
     }
     return PBW_OK;
@@ -2210,11 +2224,11 @@ static pbw_status pbw__verify_some(const pbw__core *core)
 
 #ifdef PBW__SIMD
 /* Tests all simplices, window by window, with vectors. */
-static pbw_status pbw__verify_windows(pbw__verifying *verifying)
+static pbw_status pbwl__verify_windows(pbwl__verifying *verifying)
 {
-    pbw__core *core = verifying->core;
+    pbwl__core *core = verifying->core;
     pbw__context *context = core->kernel.context;
-    const size_t count = core->store.count, most = PBW__SMALLER(PBW__VERIFIED) * (size_t)context->threads;
+    const size_t count = core->store.count, most = PBW__SMALLER(PBWL__VERIFIED) * (size_t)context->threads;
     const size_t room = 4 * ((count < most ? count : most) + 4);
     pbw_status status = PBW_OK;
     int k;
@@ -2231,10 +2245,10 @@ static pbw_status pbw__verify_windows(pbw__verifying *verifying)
         const size_t rest = count - verifying->from, length = rest < most ? rest : most;
         const double done = 0.5 * (double)verifying->from / (double)count;
         verifying->to = verifying->from + length;
-        status = pbw__for_range(context, length, 4096, done, pbw__verify_depths, verifying);
+        status = pbw__for_range(context, length, 4096, done, pbwl__verify_depths, verifying);
         verifying->depth[4 * length] = (float)HUGE_VAL;
         if (status == PBW_OK) {
-            status = pbw__for_range(context, length, 4096, done, pbw__verify_range, verifying);
+            status = pbw__for_range(context, length, 4096, done, pbwl__verify_range, verifying);
         }
     }
     pbw__release(&context->memory, verifying->depth, room, sizeof(float));
@@ -2243,25 +2257,25 @@ static pbw_status pbw__verify_windows(pbw__verifying *verifying)
 #endif
 
 /* Tests all simplices. */
-static pbw_status pbw__verify_all(pbw__verifying *verifying)
+static pbw_status pbwl__verify_all(pbwl__verifying *verifying)
 {
-    pbw__core *core = verifying->core;
-    const pbw_status status = verifying->most == 0 ? pbw__verify_some(core) : PBW_OK;
+    pbwl__core *core = verifying->core;
+    const pbw_status status = verifying->most == 0 ? pbwl__verify_some(core) : PBW_OK;
 #ifdef PBW__SIMD
     if (status == PBW_OK && pbw__simd_works()) {
-        return pbw__verify_windows(verifying);
+        return pbwl__verify_windows(verifying);
     }
 #endif
     return status != PBW_OK ? status
-         : pbw__for_range(core->kernel.context, core->store.count, 4096, 0.5, pbw__verify_range, verifying);
+         : pbw__for_range(core->kernel.context, core->store.count, 4096, 0.5, pbwl__verify_range, verifying);
 }
 
 /* Chooses o inside a simplex, of a few in the middle of the store, and a ray.  Returns 0 if rounding puts each
    outside of its simplex. */
-static int pbw__choose_inside(pbw__verifying *verifying)
+static int pbwl__choose_inside(pbwl__verifying *verifying)
 {
     static const double direction[3] = { 0.31, 0.19, -0.23 };
-    const pbw__core *core = verifying->core;
+    const pbwl__core *core = verifying->core;
     const int dim = core->kernel.dim;
     const size_t count = core->store.count;
     size_t step, left = 64;
@@ -2277,7 +2291,7 @@ static int pbw__choose_inside(pbw__verifying *verifying)
             double low = HUGE_VAL, high = -HUGE_VAL;
             verifying->o[k] = 0.0;
             for (i = 0; i <= dim; i++) {
-                const double x = pbw__core_record(core, v[i])[k];
+                const double x = pbwl__core_record(core, v[i])[k];
                 verifying->o[k] += x / (double)(dim + 1);
                 low = x < low ? x : low;
                 high = x > high ? x : high;
@@ -2286,7 +2300,7 @@ static int pbw__choose_inside(pbw__verifying *verifying)
             finite &= pbw__abs(verifying->ahead[k]) <= DBL_MAX;
         }
         verifying->o[dim] = verifying->ahead[dim] = 0.0;
-        for (i = 0; i <= dim && pbw__slot_side(core, t, i, verifying->o) > 0; i++) {
+        for (i = 0; i <= dim && pbwl__slot_side(core, t, i, verifying->o) > 0; i++) {
         }
         if (i > dim) {
             return finite;
@@ -2297,15 +2311,15 @@ static int pbw__choose_inside(pbw__verifying *verifying)
 
 /* ---- flips */
 /* Returns by how many places to rotate the corners v to the left so that the ghost comes last. */
-PBW__INLINE unsigned pbw__ghost_turn(const pbw_index *v)
+PBW__INLINE unsigned pbwl__ghost_turn(const pbw_index *v)
 {
     return v[0] == PBW__GHOST ? 1 : v[1] == PBW__GHOST ? 2 : 0;
 }
 
 /* Sets corners and links of a triangle, and the links back. */
-static void pbw__set_triangle(pbw__kernel *kernel, size_t t, const pbw_index *v, const pbw__link *link)
+static void pbwl__set_triangle(pbw__kernel *kernel, size_t t, const pbw_index *v, const pbw__link *link)
 {
-    const unsigned turn = pbw__ghost_turn(v);
+    const unsigned turn = pbwl__ghost_turn(v);
     unsigned k;
     for (k = 0; k < 3; k++) {
         const pbw__link to = link[(k + turn) % 3];
@@ -2316,14 +2330,16 @@ static void pbw__set_triangle(pbw__kernel *kernel, size_t t, const pbw_index *v,
 }
 
 /* Returns whether three vertices are a positive triangle, or one is the ghost. */
-static int pbw__may_be_triangle(const pbw__core *core, const pbw_index *v)
+static int pbwl__may_be_triangle(const pbwl__core *core, const pbw_index *v)
 {
-    const double *x[3] = { pbw__core_record(core, v[0]), pbw__core_record(core, v[1]), pbw__core_record(core, v[2]) };
+    const double *x[3] = { pbwl__core_record(core, v[0]), pbwl__core_record(core, v[1]),
+                           pbwl__core_record(core, v[2]) };
     return v[0] == PBW__GHOST || v[1] == PBW__GHOST || v[2] == PBW__GHOST || pbw__orient(2, x, &core->grid) > 0;
 }
 
-/* Replaces the edge opposite to corner k of t by the other diagonal.  PBW__ANEW: the quadrilateral is not convex. */
-static pbw_status pbw__flip(pbw__core *core, size_t t, unsigned k)
+/* Replaces the edge opposite to corner k of t by the other diagonal.  PBWL__REBUILD: the quadrilateral is not
+   convex. */
+static pbw_status pbwl__flip(pbwl__core *core, size_t t, unsigned k)
 {
     pbw__kernel *kernel = &core->kernel;
     const pbw__link across = kernel->link[4 * t + k], here = (pbw__link)(4 * t + k);
@@ -2332,29 +2348,29 @@ static pbw_status pbw__flip(pbw__core *core, size_t t, unsigned k)
     const pbw_index p = kernel->corner[here], q = kernel->corner[across];
     const pbw_index a = kernel->corner[4 * t + k1], b = kernel->corner[4 * t + k2];
     const pbw_index first[3] = { p, a, q }, second[3] = { p, q, b };
-    const unsigned at_a = (4 - pbw__ghost_turn(first)) % 3, at_b = (5 - pbw__ghost_turn(second)) % 3;
+    const unsigned at_a = (4 - pbwl__ghost_turn(first)) % 3, at_b = (5 - pbwl__ghost_turn(second)) % 3;
     const pbw__link of_first[3] = { kernel->link[4 * u + j1], (pbw__link)(4 * u + at_b), kernel->link[4 * t + k2] };
     const pbw__link of_second[3] = { kernel->link[4 * u + j2], kernel->link[4 * t + k1], (pbw__link)(4 * t + at_a) };
     pbw_status status;
-    if (!pbw__may_be_triangle(core, first) || !pbw__may_be_triangle(core, second)) {
-        return PBW__ANEW;
+    if (!pbwl__may_be_triangle(core, first) || !pbwl__may_be_triangle(core, second)) {
+        return PBWL__REBUILD;
     }
     kernel->scratch.cavity[0] = (pbw_index)t;
     kernel->scratch.cavity[1] = (pbw_index)u;
     kernel->scratch.cavity_count = 2;
-    status = pbw__journal_cavity(kernel);
+    status = pbwl__journal_cavity(kernel);
     if (status == PBW_OK) {
-        pbw__set_triangle(kernel, t, first, of_first);
-        pbw__set_triangle(kernel, u, second, of_second);
-        pbw__note_corners(core, t);
-        pbw__note_corners(core, u);
+        pbwl__set_triangle(kernel, t, first, of_first);
+        pbwl__set_triangle(kernel, u, second, of_second);
+        pbwl__note_corners(core, t);
+        pbwl__note_corners(core, u);
     }
     return status;
 }
 
-/* Flips until all edges are locally Delaunay; `edge` is the worklist, with `count` edges at first.  PBW__ANEW:
+/* Flips until all edges are locally Delaunay; `edge` is the worklist, with `count` edges at first.  PBWL__REBUILD:
    more than `most` flips.  A task notes in `open` the edges at which it does not own all vertices. */
-static pbw_status pbw__flip_all(pbw__core *core, size_t count, size_t most)
+static pbw_status pbwl__flip_all(pbwl__core *core, size_t count, size_t most)
 {
     pbw__kernel *kernel = &core->kernel;
     size_t flips = 0;
@@ -2366,18 +2382,18 @@ static pbw_status pbw__flip_all(pbw__core *core, size_t count, size_t most)
         const pbw_index far = kernel->corner[kernel->link[facet]];
         unsigned k = (unsigned)(facet & 3);
         if (far == PBW__GHOST || (ghost && k == 2)
-            || !pbw__simplex_conflict(kernel, (pbw_index)t, pbw__core_record(core, far))) {
+            || !pbw__simplex_conflict(kernel, (pbw_index)t, pbwl__core_record(core, far))) {
             continue;
         }
-        status = ++flips > most ? PBW__ANEW : pbw__flip(core, t, k);
+        status = ++flips > most ? PBWL__REBUILD : pbwl__flip(core, t, k);
         if (status == PBW__DEFERRED) {
-            status = PBW__CORE_GROW(core, open, core->open_count + 1) ? PBW_OK : PBW_ERROR_MEMORY;
+            status = PBWL__CORE_GROW(core, open, core->open_count + 1) ? PBW_OK : PBW_ERROR_MEMORY;
             if (status == PBW_OK) {
                 core->open[core->open_count++] = facet;
                 continue;
             }
         }
-        if (status == PBW_OK && !PBW__CORE_GROW(core, edge, count + 6)) {
+        if (status == PBW_OK && !PBWL__CORE_GROW(core, edge, count + 6)) {
             status = PBW_ERROR_MEMORY;
         }
         for (k = 0; k < 3 && status == PBW_OK; k++) {
@@ -2391,15 +2407,15 @@ static pbw_status pbw__flip_all(pbw__core *core, size_t count, size_t most)
     return status;
 }
 
-/* pbw__flip_all, starting from the marks of a verification. */
-static pbw_status pbw__flip_marked(pbw__core *core, size_t most)
+/* pbwl__flip_all, starting from the marks of a verification. */
+static pbw_status pbwl__flip_marked(pbwl__core *core, size_t most)
 {
     pbw__kernel *kernel = &core->kernel;
     size_t count = 0, t;
     unsigned k;
     for (t = 0; t < core->store.count; t++) {
         for (k = 0; k < 3 && kernel->mark[t] != 0 && kernel->corner[4 * t] != PBW_NONE; k++) {
-            if (!PBW__CORE_GROW(core, edge, count + 1)) {
+            if (!PBWL__CORE_GROW(core, edge, count + 1)) {
                 return PBW_ERROR_MEMORY;
             }
             core->edge[count] = (pbw__link)(4 * t + k);
@@ -2407,32 +2423,32 @@ static pbw_status pbw__flip_marked(pbw__core *core, size_t most)
         }
         kernel->mark[t] = 0;
     }
-    return pbw__flip_all(core, count, most);
+    return pbwl__flip_all(core, count, most);
 }
 
 /* After the records got other coordinates: PBW_OK if the core is their triangulation, in the plane after at most
-   `most` flips; PBW__ANEW if not. */
-static pbw_status pbw__verify(pbw__core *core, size_t most)
+   `most` flips; PBWL__REBUILD if not. */
+static pbw_status pbwl__verify(pbwl__core *core, size_t most)
 {
     pbw__context *context = core->kernel.context;
-    pbw__verifying verifying;
+    pbwl__verifying verifying;
     pbw_status status;
     memset(&verifying, 0, sizeof(verifying));
     verifying.core = core;
     verifying.most = core->kernel.dim == 3 || core->kernel.weighted ? 0 : most;
-    status = pbw__choose_inside(&verifying) ? pbw__verify_all(&verifying) : PBW__ANEW;
+    status = pbwl__choose_inside(&verifying) ? pbwl__verify_all(&verifying) : PBWL__REBUILD;
     if (status == PBW_OK && (verifying.inverted > 0 || verifying.failing > verifying.most)) {
-        status = PBW__ANEW;
+        status = PBWL__REBUILD;
     } else if (status == PBW_OK && verifying.failing > 0) {
         verifying.covers = 0;
-        status = pbw__flip_marked(core, most);
-        status = status != PBW_OK ? status : !pbw__choose_inside(&verifying) ? PBW__ANEW
-               : pbw__for_range(context, core->store.count, 16384, 1.0, pbw__cover_range, &verifying);
+        status = pbwl__flip_marked(core, most);
+        status = status != PBW_OK ? status : !pbwl__choose_inside(&verifying) ? PBWL__REBUILD
+               : pbw__for_range(context, core->store.count, 16384, 1.0, pbwl__cover_range, &verifying);
     }
     if (status != PBW_OK) {
         memset(core->kernel.mark, 0, core->store.count);
     }
-    return status == PBW_OK && verifying.covers != 1 ? PBW__ANEW : status;
+    return status == PBW_OK && verifying.covers != 1 ? PBWL__REBUILD : status;
 }
 /* ------------------------------------------------------------------------------------------------------
    >>live         Points to insert, remove and move: the queue.
@@ -2440,49 +2456,49 @@ static pbw_status pbw__verify(pbw__core *core, size_t most)
    Holds: `point`, `weight` and `state` are as they will be after the next commit; the core is as the last one left
    it. A commit that fails changes neither: it works on another core, or undoes its changes, which needs no memory.
    ------------------------------------------------------------------------------------------------------ */
-#define PBW__LIVES 1u                                /* it is a point of the last commit */
-#define PBW__STAYS 2u                                /* it will be one of the next commit */
-#define PBW__QUEUED 4u                               /* its number is in the queue */
-#define PBW__LEAVES 8u                               /* in a commit: it leaves its old place */
-#define PBW__ARRIVES 16u                             /* in a commit: it arrives at a new place */
+#define PBWL__COMMITTED 1u                           /* it is a point of the last commit */
+#define PBWL__KEPT 2u                                /* it will be one of the next commit */
+#define PBWL__QUEUED 4u                              /* its number is in the queue */
+#define PBWL__OLD_PLACE 8u                           /* in a commit: it leaves its old place */
+#define PBWL__NEW_PLACE 16u                          /* in a commit: it arrives at a new place */
 
-#define PBW__LIVE_GROW(live, x, needed) PBW__GROW(&(live)->core.kernel, live, x, needed)
+#define PBWL__GROW(live, x, needed) PBW__GROW(&(live)->core.kernel, live, x, needed)
 
 /* A write to a table of the core, to be undone: the entry and its old value. */
-typedef struct pbw__edit { pbw_index table, at, old; } pbw__edit;
-enum { PBW__EDIT_VERTEX, PBW__EDIT_TWIN, PBW__EDIT_PLACE };
+typedef struct pbwl__edit { pbw_index table, at, old; } pbwl__edit;
+enum { PBWL__EDIT_VERTEX, PBWL__EDIT_TWIN, PBWL__EDIT_PLACE };
 
 struct pbw_live {
     pbw_memory memory;
     pbw_options options;
-    int dim, weighted, weighted_past;                /* weighted: from the next commit on; past: at the last one */
+    int dim, weighted, weighted_before;              /* weighted: from the next commit on; before: at the last one */
     double *point, *weight;                          /* per number */
     unsigned char *state;
     pbw_index *spare, *queue;                        /* numbers that are free; numbers with changes */
     size_t point_capacity, weight_capacity, state_capacity, spare_capacity, queue_capacity;
     size_t count, spare_count, queue_count;          /* count: numbers */
     size_t numbers, points;                          /* how many there were at the last commit */
-    pbw__core core;
+    pbwl__core core;
     /* of one commit */
-    pbw__edit *edit;
+    pbwl__edit *edit;
     pbw_index *head, *leaving, *arriving;            /* head: per place that changes, a number; others: vertices */
     pbw_index *joining;                              /* numbers that arrive; then vertices that they did not need */
     double *moved;                                   /* the other coordinates of those in `leaving` */
     size_t edit_capacity, head_capacity, leaving_capacity, arriving_capacity, joining_capacity, moved_capacity;
     size_t edit_count, leaving_count, arriving_count, joining_count, first_edit;
-    size_t past_vertices, past_unused, past_placed;
-    pbw__grid past_grid;
-    double past_height;
+    size_t saved_vertices, saved_unused, saved_placed;
+    pbw__grid saved_grid;
+    double saved_height;
 };
 
 /* ---- the queue */
-PBW__INLINE const double *pbw__live_point(const pbw_live *live, size_t id)
+PBW__INLINE const double *pbwl__point(const pbw_live *live, size_t id)
 {
     return live->point + id * (size_t)live->dim;
 }
 
 /* Prefetches for later entries of the queue, which has no order. */
-PBW__INLINE void pbw__live_prefetch(const pbw_live *live, size_t i, size_t end)
+PBW__INLINE void pbwl__prefetch(const pbw_live *live, size_t i, size_t end)
 {
     if (i + 32 < end) {
         const pbw_index far = live->queue[i + 32], near = live->queue[i + 16];
@@ -2494,15 +2510,15 @@ PBW__INLINE void pbw__live_prefetch(const pbw_live *live, size_t i, size_t end)
         if (far < live->numbers) {
             PBW__PREFETCH(live->core.vertex + far);
         }
-        if (near < live->numbers && (live->state[near] & PBW__LIVES) != 0) {
-            PBW__PREFETCH(pbw__core_record(&live->core, live->core.vertex[near]));
+        if (near < live->numbers && (live->state[near] & PBWL__COMMITTED) != 0) {
+            PBW__PREFETCH(pbwl__core_record(&live->core, live->core.vertex[near]));
             PBW__PREFETCH(live->core.local + live->core.vertex[near]);
         }
     }
 }
 
 /* Makes room for `count` numbers, `queued` of them in the queue. */
-static pbw_status pbw__live_reserve(pbw_live *live, size_t count, size_t queued)
+static pbw_status pbwl__reserve(pbw_live *live, size_t count, size_t queued)
 {
     pbw_memory *memory = &live->memory;
     if (count >= PBW__POINT_LIMIT || count > (size_t)-1 / 256) {
@@ -2516,15 +2532,15 @@ static pbw_status pbw__live_reserve(pbw_live *live, size_t count, size_t queued)
         ? PBW_OK : PBW_ERROR_MEMORY;
 }
 
-static void pbw__live_queue(pbw_live *live, pbw_index id)
+static void pbwl__queue(pbw_live *live, pbw_index id)
 {
-    if ((live->state[id] & PBW__QUEUED) == 0) {
-        live->state[id] |= PBW__QUEUED;
+    if ((live->state[id] & PBWL__QUEUED) == 0) {
+        live->state[id] |= PBWL__QUEUED;
         live->queue[live->queue_count++] = id;
     }
 }
 
-PBW__INLINE int pbw__all_finite(const double *x, size_t count)
+PBW__INLINE int pbwl__all_finite(const double *x, size_t count)
 {
     double sum = 0.0;
     size_t i;
@@ -2544,12 +2560,12 @@ PBWDEF pbw_status pbw_live_insert(pbw_live *live, const double *points, const do
     }
     dim = (size_t)live->dim;
     status = count > (size_t)-1 / 256 ? PBW_ERROR_TOO_LARGE
-           : pbw__live_reserve(live, live->count + (count > live->spare_count ? count - live->spare_count : 0),
-                               live->queue_count + count);
+           : pbwl__reserve(live, live->count + (count > live->spare_count ? count - live->spare_count : 0),
+                           live->queue_count + count);
     if (status != PBW_OK) {
         return status;
     }
-    if (!pbw__all_finite(points, count * dim) || (weights != NULL && !pbw__all_finite(weights, count))) {
+    if (!pbwl__all_finite(points, count * dim) || (weights != NULL && !pbwl__all_finite(weights, count))) {
         return PBW_ERROR_NOT_FINITE;
     }
     live->weighted |= weights != NULL;
@@ -2559,8 +2575,8 @@ PBWDEF pbw_status pbw_live_insert(pbw_live *live, const double *points, const do
             live->point[id * dim + k] = points[i * dim + k] + 0.0;       /* no -0.0 */
         }
         live->weight[id] = weights != NULL ? weights[i] + 0.0 : 0.0;
-        live->state[id] = PBW__STAYS;
-        pbw__live_queue(live, id);
+        live->state[id] = PBWL__KEPT;
+        pbwl__queue(live, id);
         if (ids != NULL) {
             ids[i] = id;
         }
@@ -2569,11 +2585,11 @@ PBWDEF pbw_status pbw_live_insert(pbw_live *live, const double *points, const do
 }
 
 /* Returns whether all of these are numbers of points that stay. */
-static int pbw__live_all_stay(const pbw_live *live, const pbw_index *ids, size_t count)
+static int pbwl__all_stay(const pbw_live *live, const pbw_index *ids, size_t count)
 {
     size_t i;
     for (i = 0; i < count; i++) {
-        if (ids[i] >= live->count || (live->state[ids[i]] & PBW__STAYS) == 0) {
+        if (ids[i] >= live->count || (live->state[ids[i]] & PBWL__KEPT) == 0) {
             return 0;
         }
     }
@@ -2584,24 +2600,24 @@ PBWDEF pbw_status pbw_live_remove(pbw_live *live, const pbw_index *ids, size_t c
 {
     size_t i;
     pbw_status status;
-    if (live == NULL || (ids == NULL && count != 0) || count > live->count || !pbw__live_all_stay(live, ids, count)) {
+    if (live == NULL || (ids == NULL && count != 0) || count > live->count || !pbwl__all_stay(live, ids, count)) {
         return PBW_ERROR_ARGUMENT;
     }
-    status = pbw__live_reserve(live, live->count, live->queue_count + count);
+    status = pbwl__reserve(live, live->count, live->queue_count + count);
     if (status != PBW_OK) {
         return status;
     }
-    for (i = 0; i < count && (live->state[ids[i]] & PBW__STAYS) != 0; i++) {
-        live->state[ids[i]] &= (unsigned char)~PBW__STAYS;
+    for (i = 0; i < count && (live->state[ids[i]] & PBWL__KEPT) != 0; i++) {
+        live->state[ids[i]] &= (unsigned char)~PBWL__KEPT;
     }
     if (i < count) {                                 /* a number occurs twice */
         while (i-- > 0) {
-            live->state[ids[i]] |= PBW__STAYS;
+            live->state[ids[i]] |= PBWL__KEPT;
         }
         return PBW_ERROR_ARGUMENT;
     }
     for (i = 0; i < count; i++) {
-        pbw__live_queue(live, ids[i]);
+        pbwl__queue(live, ids[i]);
     }
     return PBW_OK;
 }
@@ -2611,33 +2627,33 @@ PBWDEF pbw_status pbw_live_move(pbw_live *live, const pbw_index *ids, const doub
     size_t dim, i, k;
     pbw_status status;
     if (live == NULL || (points == NULL && count != 0) || (ids == NULL && count != live->count)
-        || (ids != NULL && !pbw__live_all_stay(live, ids, count))) {
+        || (ids != NULL && !pbwl__all_stay(live, ids, count))) {
         return PBW_ERROR_ARGUMENT;
     }
     dim = (size_t)live->dim;
     for (i = 0; i < count; i++) {
-        if ((ids != NULL || (live->state[i] & PBW__STAYS) != 0) && !pbw__all_finite(points + i * dim, dim)) {
+        if ((ids != NULL || (live->state[i] & PBWL__KEPT) != 0) && !pbwl__all_finite(points + i * dim, dim)) {
             return PBW_ERROR_NOT_FINITE;
         }
     }
-    status = pbw__live_reserve(live, live->count, live->queue_count + count);
+    status = pbwl__reserve(live, live->count, live->queue_count + count);
     if (status != PBW_OK) {
         return status;
     }
     for (i = 0; i < count; i++) {
         const pbw_index id = ids != NULL ? ids[i] : (pbw_index)i;
-        if ((live->state[id] & PBW__STAYS) != 0) {
+        if ((live->state[id] & PBWL__KEPT) != 0) {
             for (k = 0; k < dim; k++) {
                 live->point[id * dim + k] = points[i * dim + k] + 0.0;
             }
-            pbw__live_queue(live, id);
+            pbwl__queue(live, id);
         }
     }
     return PBW_OK;
 }
 
 /* ---- what a commit changed */
-PBW__INLINE int pbw__tuple_order(const pbw_index *a, const pbw_index *b, size_t corners)
+PBW__INLINE int pbwl__tuple_order(const pbw_index *a, const pbw_index *b, size_t corners)
 {
     size_t i;
     for (i = 0; i + 1 < corners && a[i] == b[i]; i++) {
@@ -2645,7 +2661,7 @@ PBW__INLINE int pbw__tuple_order(const pbw_index *a, const pbw_index *b, size_t 
     return (a[i] > b[i]) - (a[i] < b[i]);
 }
 
-static void pbw__sift_tuple(pbw_index *heap, size_t root, size_t count, size_t corners)
+static void pbwl__sift_tuple(pbw_index *heap, size_t root, size_t count, size_t corners)
 {
     const size_t bytes = corners * sizeof(pbw_index);
     pbw_index item[4];
@@ -2653,8 +2669,8 @@ static void pbw__sift_tuple(pbw_index *heap, size_t root, size_t count, size_t c
     memcpy(item, heap + root * corners, bytes);
     while ((child = 2 * root + 1) < count) {
         child += child + 1 < count
-                 && pbw__tuple_order(heap + (child + 1) * corners, heap + child * corners, corners) > 0;
-        if (pbw__tuple_order(heap + child * corners, item, corners) <= 0) {
+                 && pbwl__tuple_order(heap + (child + 1) * corners, heap + child * corners, corners) > 0;
+        if (pbwl__tuple_order(heap + child * corners, item, corners) <= 0) {
             break;
         }
         memcpy(heap + root * corners, heap + child * corners, bytes);
@@ -2664,23 +2680,23 @@ static void pbw__sift_tuple(pbw_index *heap, size_t root, size_t count, size_t c
 }
 
 /* Sorts the simplices of one vertex by their corners: a heap sort, which needs no memory. */
-static void pbw__sort_tuples(pbw_index *tuple, size_t count, size_t corners)
+static void pbwl__sort_tuples(pbw_index *tuple, size_t count, size_t corners)
 {
     pbw_index last[4];
     size_t i;
     for (i = count / 2; i-- > 0; ) {
-        pbw__sift_tuple(tuple, i, count, corners);
+        pbwl__sift_tuple(tuple, i, count, corners);
     }
     for (i = count; i-- > 1; ) {
         memcpy(last, tuple + i * corners, corners * sizeof(pbw_index));
         memcpy(tuple + i * corners, tuple, corners * sizeof(pbw_index));
         memcpy(tuple, last, corners * sizeof(pbw_index));
-        pbw__sift_tuple(tuple, 0, i, corners);
+        pbwl__sift_tuple(tuple, 0, i, corners);
     }
 }
 
 /* Rotates the corners of a simplex: the lowest first, in space the lowest of the others second. */
-PBW__INLINE void pbw__turn_tuple(pbw_index *v, int dim)
+PBW__INLINE void pbwl__turn_tuple(pbw_index *v, int dim)
 {
     const unsigned order = pbw__canonical_order(v, dim);
     pbw_index old[4];
@@ -2691,19 +2707,19 @@ PBW__INLINE void pbw__turn_tuple(pbw_index *v, int dim)
     }
 }
 
-typedef struct pbw__owned_changes { pbw_memory memory; size_t deleted, made, points; } pbw__owned_changes;
+typedef struct pbwl__owned_changes { pbw_memory memory; size_t deleted, made, points; } pbwl__owned_changes;
 
 /* Frees changes.  `memory` counts their bytes; NULL: the commit has ended. */
-static void pbw__changes_release(pbw_memory *memory, pbw_changes *changes)
+static void pbwl__changes_release(pbw_memory *memory, pbw_changes *changes)
 {
     if (changes != NULL && changes->memory != NULL) {
-        pbw__owned_changes *owned = (pbw__owned_changes *)changes->memory;
+        pbwl__owned_changes *owned = (pbwl__owned_changes *)changes->memory;
         pbw_memory own = owned->memory;
         memory = memory != NULL ? memory : &own;
         pbw__release(memory, (void *)(uintptr_t)changes->deleted, owned->deleted, sizeof(pbw_index));
         pbw__release(memory, (void *)(uintptr_t)changes->made, owned->made, sizeof(pbw_index));
         pbw__release(memory, (void *)(uintptr_t)changes->points, owned->points, sizeof(pbw_index));
-        pbw__release(memory, owned, 1, sizeof(pbw__owned_changes));
+        pbw__release(memory, owned, 1, sizeof(pbwl__owned_changes));
     }
     if (changes != NULL) {
         memset(changes, 0, sizeof(*changes));
@@ -2712,34 +2728,34 @@ static void pbw__changes_release(pbw_memory *memory, pbw_changes *changes)
 
 PBWDEF void pbw_changes_free(pbw_changes *changes)
 {
-    pbw__changes_release(NULL, changes);
+    pbwl__changes_release(NULL, changes);
 }
 
 /* A list of simplices that is being sorted. */
-typedef struct pbw__tuples {
+typedef struct pbwl__tuples {
     pbw_index *tuple, *sorted;
     uint64_t *key;                                   /* the lowest corner, and below it the place in `tuple` */
     uint32_t *digit;
     size_t count;
     int dim;
-} pbw__tuples;
+} pbwl__tuples;
 
-static pbw_status pbw__tuples_turn(void *arg, size_t from, size_t to)
+static pbw_status pbwl__tuples_turn(void *arg, size_t from, size_t to)
 {
-    pbw__tuples *tuples = (pbw__tuples *)arg;
+    pbwl__tuples *tuples = (pbwl__tuples *)arg;
     const size_t corners = (size_t)tuples->dim + 1;
     size_t i;
     for (i = from; i < to; i++) {
-        pbw__turn_tuple(tuples->tuple + i * corners, tuples->dim);
+        pbwl__turn_tuple(tuples->tuple + i * corners, tuples->dim);
         tuples->key[i] = (uint64_t)tuples->tuple[i * corners] << 32 | i;
     }
     return PBW_OK;
 }
 
 /* Copies the simplices of each lowest corner that first occurs in this range, and sorts them. */
-static pbw_status pbw__tuples_gather(void *arg, size_t from, size_t to)
+static pbw_status pbwl__tuples_gather(void *arg, size_t from, size_t to)
 {
-    const pbw__tuples *tuples = (const pbw__tuples *)arg;
+    const pbwl__tuples *tuples = (const pbwl__tuples *)arg;
     const uint64_t *key = tuples->key;
     const size_t corners = (size_t)tuples->dim + 1, count = tuples->count;
     size_t i = from, first;
@@ -2752,13 +2768,13 @@ static pbw_status pbw__tuples_gather(void *arg, size_t from, size_t to)
             memcpy(tuples->sorted + i * corners, tuples->tuple + (uint32_t)key[i] * corners,
                    corners * sizeof(pbw_index));
         } while (++i < count && key[i] >> 32 == key[first] >> 32);
-        pbw__sort_tuples(tuples->sorted + first * corners, i - first, corners);
+        pbwl__sort_tuples(tuples->sorted + first * corners, i - first, corners);
     }
     return PBW_OK;
 }
 
 /* Keeps in each of two sorted lists what is not in the other; marks the points of both, a bit each. */
-static void pbw__changes_differ(pbw_changes *changes, size_t corners, uint64_t *mark)
+static void pbwl__changes_differ(pbw_changes *changes, size_t corners, uint64_t *mark)
 {
     pbw_index *tuple[2];
     const size_t bytes = corners * sizeof(pbw_index), count[2] = { changes->deleted_count, changes->made_count };
@@ -2767,7 +2783,7 @@ static void pbw__changes_differ(pbw_changes *changes, size_t corners, uint64_t *
     tuple[1] = (pbw_index *)(uintptr_t)changes->made;
     for (i = j = 0; i < count[0] || j < count[1]; ) {
         const int order = i == count[0] ? 1 : j == count[1] ? -1
-                        : pbw__tuple_order(tuple[0] + i * corners, tuple[1] + j * corners, corners);
+                        : pbwl__tuple_order(tuple[0] + i * corners, tuple[1] + j * corners, corners);
         const size_t at = order > 0 ? j : i, which = order > 0;
         if (order != 0) {
             const pbw_index *from = tuple[which] + at * corners;
@@ -2784,7 +2800,7 @@ static void pbw__changes_differ(pbw_changes *changes, size_t corners, uint64_t *
 }
 
 /* Returns the number of the lowest bit that is set. */
-PBW__INLINE unsigned pbw__first_bit(uint64_t set)
+PBW__INLINE unsigned pbwl__first_bit(uint64_t set)
 {
 #ifdef __GNUC__
     return (unsigned)__builtin_ctzll(set);
@@ -2797,9 +2813,9 @@ PBW__INLINE unsigned pbw__first_bit(uint64_t set)
 }
 
 /* Lists the marked numbers. */
-static pbw_status pbw__changes_points(pbw_memory *memory, pbw_changes *changes, const uint64_t *mark, size_t words)
+static pbw_status pbwl__changes_points(pbw_memory *memory, pbw_changes *changes, const uint64_t *mark, size_t words)
 {
-    pbw__owned_changes *owned = (pbw__owned_changes *)changes->memory;
+    pbwl__owned_changes *owned = (pbwl__owned_changes *)changes->memory;
     pbw_index *points;
     size_t i;
     uint64_t rest;
@@ -2816,15 +2832,15 @@ static pbw_status pbw__changes_points(pbw_memory *memory, pbw_changes *changes, 
     changes->points = points;
     for (i = 0; i < words; i++) {
         for (rest = mark[i]; rest != 0; rest &= rest - 1) {
-            *points++ = (pbw_index)(64 * i) + (pbw_index)pbw__first_bit(rest);
+            *points++ = (pbw_index)(64 * i) + (pbw_index)pbwl__first_bit(rest);
         }
     }
     return PBW_OK;
 }
 
 /* Sorts one list, in an array of *room words, with numbers below `numbers`, into a new array that just fits. */
-static pbw_status pbw__changes_sort(pbw__context *context, const pbw_index **list, size_t *room, pbw__tuples *tuples,
-                                    size_t numbers)
+static pbw_status pbwl__changes_sort(pbw__context *context, const pbw_index **list, size_t *room,
+                                     pbwl__tuples *tuples, size_t numbers)
 {
     pbw_memory *memory = &context->memory;
     const size_t count = tuples->count, words = count * ((size_t)tuples->dim + 1) + 1;
@@ -2837,12 +2853,12 @@ static pbw_status pbw__changes_sort(pbw__context *context, const pbw_index **lis
     tuples->tuple = (pbw_index *)(uintptr_t)*list;
     tuples->sorted = (pbw_index *)pbw__allocate(memory, words, sizeof(pbw_index));
     if (key != NULL && spare != NULL && tuples->sorted != NULL) {
-        status = pbw__for_range(context, count, PBW__TICK, 0.0, pbw__tuples_turn, tuples);
+        status = pbw__for_range(context, count, PBW__TICK, 0.0, pbwl__tuples_turn, tuples);
     }
     if (status == PBW_OK) {
         tuples->key = count < PBW__TICK ? pbw__sort_keys(&sorting, 32, bits) : pbw__sort_by(&sorting, 32, bits);
         status = tuples->key == NULL ? PBW_CANCELLED
-               : pbw__for_range(context, count, PBW__TICK, 0.0, pbw__tuples_gather, tuples);
+               : pbw__for_range(context, count, PBW__TICK, 0.0, pbwl__tuples_gather, tuples);
     }
     pbw__release(memory, key, count, sizeof(uint64_t));
     pbw__release(memory, spare, count, sizeof(uint64_t));
@@ -2855,28 +2871,28 @@ static pbw_status pbw__changes_sort(pbw__context *context, const pbw_index **lis
 }
 
 /* Sorts both lists, deleted and made, with numbers below `numbers`, and keeps in them what differs. */
-static pbw_status pbw__changes_close(pbw__context *context, pbw_changes *changes, int dim, size_t numbers)
+static pbw_status pbwl__changes_close(pbw__context *context, pbw_changes *changes, int dim, size_t numbers)
 {
-    pbw__owned_changes *owned = (pbw__owned_changes *)changes->memory;
+    pbwl__owned_changes *owned = (pbwl__owned_changes *)changes->memory;
     const size_t words = numbers / 64 + 1, digits = ((size_t)context->threads + 1) * PBW__DIGITS;
     uint64_t *mark = (uint64_t *)pbw__allocate(&context->memory, words, sizeof(uint64_t));
     uint32_t *digit = (uint32_t *)pbw__allocate(&context->memory, digits, sizeof(uint32_t));
     pbw_status status = mark == NULL || digit == NULL ? PBW_ERROR_MEMORY : PBW_OK;
-    pbw__tuples tuples = { NULL, NULL, NULL, NULL, 0, 0 };
+    pbwl__tuples tuples = { NULL, NULL, NULL, NULL, 0, 0 };
     tuples.digit = digit;
     tuples.dim = dim;
     if (status == PBW_OK) {
         tuples.count = changes->deleted_count;
-        status = pbw__changes_sort(context, &changes->deleted, &owned->deleted, &tuples, numbers);
+        status = pbwl__changes_sort(context, &changes->deleted, &owned->deleted, &tuples, numbers);
     }
     if (status == PBW_OK) {
         tuples.count = changes->made_count;
-        status = pbw__changes_sort(context, &changes->made, &owned->made, &tuples, numbers);
+        status = pbwl__changes_sort(context, &changes->made, &owned->made, &tuples, numbers);
     }
     if (status == PBW_OK) {
         memset(mark, 0, words * sizeof(uint64_t));
-        pbw__changes_differ(changes, (size_t)dim + 1, mark);
-        status = pbw__changes_points(&context->memory, changes, mark, words);
+        pbwl__changes_differ(changes, (size_t)dim + 1, mark);
+        status = pbwl__changes_points(&context->memory, changes, mark, words);
     }
     pbw__release(&context->memory, mark, words, sizeof(uint64_t));
     pbw__release(&context->memory, digit, digits, sizeof(uint32_t));
@@ -2884,11 +2900,11 @@ static pbw_status pbw__changes_close(pbw__context *context, pbw_changes *changes
 }
 
 /* Makes room for so many deleted and made simplices. */
-static pbw_status pbw__changes_start(const pbw_live *live, pbw_changes *changes, size_t deleted, size_t made)
+static pbw_status pbwl__changes_start(const pbw_live *live, pbw_changes *changes, size_t deleted, size_t made)
 {
     const size_t corners = (size_t)live->dim + 1;
     pbw_memory *memory = &live->core.kernel.context->memory;
-    pbw__owned_changes *owned = (pbw__owned_changes *)pbw__allocate(memory, 1, sizeof(*owned));
+    pbwl__owned_changes *owned = (pbwl__owned_changes *)pbw__allocate(memory, 1, sizeof(*owned));
     if (owned == NULL) {
         return PBW_ERROR_MEMORY;
     }
@@ -2903,7 +2919,8 @@ static pbw_status pbw__changes_start(const pbw_live *live, pbw_changes *changes,
 }
 
 /* Adds a simplex of a core, if it is finite, to one of the lists. */
-static void pbw__changes_add(const pbw__core *core, const pbw_index *v, int dim, const pbw_index *list, size_t *count)
+static void pbwl__changes_add(const pbwl__core *core, const pbw_index *v, int dim, const pbw_index *list,
+                              size_t *count)
 {
     pbw_index *to = (pbw_index *)(uintptr_t)list + *count * ((size_t)dim + 1);
     int k;
@@ -2916,50 +2933,50 @@ static void pbw__changes_add(const pbw__core *core, const pbw_index *v, int dim,
 }
 
 /* Lists the changes of a batch, from the journals. */
-static pbw_status pbw__batch_changes(pbw_live *live, pbw_changes *changes)
+static pbw_status pbwl__batch_changes(pbw_live *live, pbw_changes *changes)
 {
-    pbw__core *core = &live->core;
-    size_t past = 0, taken = 0, i, j;
+    pbwl__core *core = &live->core;
+    size_t saved = 0, taken = 0, i, j;
     pbw_status status;
     for (j = 0; j <= core->tasks; j++) {
-        past += pbw__journal(core, j)->past_count;
-        taken += pbw__journal(core, j)->taken_count;
+        saved += pbwl__journal(core, j)->saved_count;
+        taken += pbwl__journal(core, j)->used_slot_count;
     }
-    status = pbw__changes_start(live, changes, past, past + taken);
+    status = pbwl__changes_start(live, changes, saved, saved + taken);
     if (status != PBW_OK) {
         return status;
     }
     for (j = 0; j <= core->tasks; j++) {
-        const pbw__core *own = pbw__journal(core, j);
-        for (i = 0; i < own->past_count; i++) {
-            pbw__changes_add(core, own->past[i].corner, live->dim, changes->deleted, &changes->deleted_count);
-            pbw__changes_add(core, core->store.corner + 4 * (size_t)own->past[i].slot, live->dim, changes->made,
-                             &changes->made_count);
+        const pbwl__core *own = pbwl__journal(core, j);
+        for (i = 0; i < own->saved_count; i++) {
+            pbwl__changes_add(core, own->saved[i].corner, live->dim, changes->deleted, &changes->deleted_count);
+            pbwl__changes_add(core, core->store.corner + 4 * (size_t)own->saved[i].slot, live->dim, changes->made,
+                              &changes->made_count);
         }
-        for (i = 0; i < own->taken_count; i++) {
-            pbw__changes_add(core, core->store.corner + 4 * (size_t)own->taken[i], live->dim, changes->made,
-                             &changes->made_count);
+        for (i = 0; i < own->used_slot_count; i++) {
+            pbwl__changes_add(core, core->store.corner + 4 * (size_t)own->used_slot[i], live->dim, changes->made,
+                              &changes->made_count);
         }
     }
-    return pbw__changes_close(core->kernel.context, changes, live->dim, live->count);
+    return pbwl__changes_close(core->kernel.context, changes, live->dim, live->count);
 }
 
 /* Lists the changes from the live core to another one. */
-static pbw_status pbw__rebuild_changes(const pbw_live *live, const pbw__core *core, pbw_changes *changes)
+static pbw_status pbwl__rebuild_changes(const pbw_live *live, const pbwl__core *core, pbw_changes *changes)
 {
-    const pbw__core *old = &live->core;
-    pbw_status status = pbw__changes_start(live, changes, old->simplex_count, core->simplex_count);
+    const pbwl__core *old = &live->core;
+    pbw_status status = pbwl__changes_start(live, changes, old->simplex_count, core->simplex_count);
     size_t t;
     if (status != PBW_OK) {
         return status;
     }
     for (t = 0; t < old->store.count && old->simplex_count > 0; t++) {
-        pbw__changes_add(old, old->store.corner + 4 * t, live->dim, changes->deleted, &changes->deleted_count);
+        pbwl__changes_add(old, old->store.corner + 4 * t, live->dim, changes->deleted, &changes->deleted_count);
     }
     for (t = 0; t < core->store.count && core->simplex_count > 0; t++) {
-        pbw__changes_add(core, core->store.corner + 4 * t, live->dim, changes->made, &changes->made_count);
+        pbwl__changes_add(core, core->store.corner + 4 * t, live->dim, changes->made, &changes->made_count);
     }
-    return pbw__changes_close(old->kernel.context, changes, live->dim, live->count);
+    return pbwl__changes_close(old->kernel.context, changes, live->dim, live->count);
 }
 
 /* ------------------------------------------------------------------------------------------------------
@@ -2969,7 +2986,7 @@ static pbw_status pbw__rebuild_changes(const pbw_live *live, const pbw__core *co
    Holds: any simplex may be a hint; an outdated one makes a walk longer, never wrong.  The table has a vertex for
    each cell of a grid on the box of all vertices, with half as many cells as vertices.
    ------------------------------------------------------------------------------------------------------ */
-PBW__INLINE size_t pbw__start_cell(const pbw__core *core, const double *x)
+PBW__INLINE size_t pbwl__start_cell(const pbwl__core *core, const double *x)
 {
     const int dim = core->kernel.dim;
     size_t cell = 0;
@@ -2982,19 +2999,20 @@ PBW__INLINE size_t pbw__start_cell(const pbw__core *core, const double *x)
     return cell;
 }
 
-static pbw_status pbw__start_fill(void *arg, size_t from, size_t to)
+static pbw_status pbwl__start_fill(void *arg, size_t from, size_t to)
 {
-    pbw__core *core = (pbw__core *)arg;
+    pbwl__core *core = (pbwl__core *)arg;
     for (from++, to++; from < to; from++) {
-        if (core->incident[from] < PBW__GONE) {
-            PBW__STORE(core->start + pbw__start_cell(core, pbw__core_record(core, (pbw_index)from)), (pbw_index)from);
+        if (core->incident[from] < PBWL__VERTEX_REMOVED) {
+            const double *x = pbwl__core_record(core, (pbw_index)from);
+            PBW__STORE(core->start + pbwl__start_cell(core, x), (pbw_index)from);
         }
     }
     return PBW_OK;
 }
 
 /* Makes the table once there have been enough walks to pay for it. */
-static void pbw__start_table(pbw__core *core, size_t walks)
+static void pbwl__start_table(pbwl__core *core, size_t walks)
 {
     const size_t cells = core->vertex_count / 2 + 1;
     size_t side = 1, all;
@@ -3007,7 +3025,7 @@ static void pbw__start_table(pbw__core *core, size_t walks)
         side++;
     }
     all = side * side * (core->kernel.dim == 3 ? side : 1);
-    if (!PBW__CORE_GROW(core, start, all)) {
+    if (!PBWL__CORE_GROW(core, start, all)) {
         return;                                      /* walks start without it */
     }
     core->start_side = side;
@@ -3017,12 +3035,12 @@ static void pbw__start_table(pbw__core *core, size_t walks)
         core->start_scale[k] = scale > 0.0 && scale <= DBL_MAX ? scale : 0.0;
     }
     memset(core->start, 0, core->start_capacity * sizeof(pbw_index));
-    (void)pbw__for_range(core->kernel.context, core->vertex_count, 16384, 0.0, pbw__start_fill, core);
+    (void)pbw__for_range(core->kernel.context, core->vertex_count, 16384, 0.0, pbwl__start_fill, core);
 }
 
 /* Prefetches, step by step: (0) a simplex of v; (1) its vertices and its neighbours at v; (2) the vertices of these
    and the simplices behind them; (3) the vertices of the latter.  A task that owns v may read all this. */
-PBW__INLINE void pbw__prefetch_star(const pbw__core *core, pbw_index v, int step)
+PBW__INLINE void pbwl__prefetch_star(const pbwl__core *core, pbw_index v, int step)
 {
     const size_t dim = (size_t)core->kernel.dim, width = dim + 1, t = core->incident[v];
     const pbw_index *corner = core->kernel.corner;
@@ -3067,13 +3085,15 @@ PBW__INLINE void pbw__prefetch_star(const pbw__core *core, pbw_index v, int step
 }
 
 /* Returns the nearer to p of two vertices, of those from which this thread may start; 0 if there is none. */
-PBW__INLINE pbw_index pbw__nearer_start(pbw__core *core, pbw_index a, pbw_index b, const double *p)
+PBW__INLINE pbw_index pbwl__nearer_start(pbwl__core *core, pbw_index a, pbw_index b, const double *p)
 {
-    const int dim = core->kernel.dim, has_a = a != 0 && pbw__hold(&core->kernel, a) && core->incident[a] < PBW__GONE;
-    if (b == 0 || b == a || !pbw__hold(&core->kernel, b) || core->incident[b] >= PBW__GONE) {
+    const int dim = core->kernel.dim;
+    const int has_a = a != 0 && pbwl__hold(&core->kernel, a) && core->incident[a] < PBWL__VERTEX_REMOVED;
+    if (b == 0 || b == a || !pbwl__hold(&core->kernel, b) || core->incident[b] >= PBWL__VERTEX_REMOVED) {
         return has_a ? a : 0;
     }
-    return has_a && pbw__squared(pbw__core_record(core, a), p, dim) <= pbw__squared(pbw__core_record(core, b), p, dim)
+    return has_a
+        && pbw__squared(pbwl__core_record(core, a), p, dim) <= pbw__squared(pbwl__core_record(core, b), p, dim)
          ? a : b;
 }
 
@@ -3101,42 +3121,43 @@ PBW__INLINE pbw_index pbw__nearer_start(pbw__core *core, pbw_index a, pbw_index 
      (d) marks and slots, acquire and release are as in >>parallel.
    The ghost has no owner: the task that owns the other vertices of a ghost simplex deletes it.
    ------------------------------------------------------------------------------------------------------ */
-#define PBW__GROUP 8                                 /* changes whose vertices are claimed and prefetched ahead */
-#define PBW__LEAST_CHANGES PBW__SMALLER((size_t)256)  /* a task must have so many to pay off */
+#define PBWL__GROUP 8                                /* changes whose vertices are claimed and prefetched ahead */
+#define PBWL__LEAST_CHANGES PBW__SMALLER((size_t)256) /* a task must have so many to pay off */
 
-typedef struct pbw__changing {
+typedef struct pbwl__changing {
     void *arg;
     /* near: returns a vertex near the i-th change, or 0.  change: makes it; on PBW__DEFERRED nothing has changed. */
-    pbw_index (*near)(void *arg, pbw__core *core, size_t i);
-    pbw_status (*change)(void *arg, pbw__core *core, size_t i, pbw_index near);
+    pbw_index (*near)(void *arg, pbwl__core *core, size_t i);
+    pbw_status (*change)(void *arg, pbwl__core *core, size_t i, pbw_index near);
     size_t count, slots, most_effort;                /* slots: per change; a task without free ones leaves changes */
     double begin, end;                               /* of the stage's progress */
     /* of a round */
-    pbw__core *core;
+    pbwl__core *core;
     const pbw_index *which;                          /* the changes of this round; NULL: all */
     size_t round_count, grain, next;
     int parts, stop;
-} pbw__changing;
+} pbwl__changing;
 
 /* Makes a group of changes; those that cannot be made now go to kernel.left. */
-static pbw_status pbw__batch_group(const pbw__changing *batch, pbw__core *core, const pbw_index *which, size_t from,
-                                   size_t to)
+static pbw_status pbwl__batch_group(const pbwl__changing *batch, pbwl__core *core, const pbw_index *which,
+                                    size_t from, size_t to)
 {
     pbw__kernel *kernel = &core->kernel;
-    const size_t count = to - from < PBW__GROUP ? to - from : PBW__GROUP;
-    pbw_index at[PBW__GROUP], near[PBW__GROUP];
+    const size_t count = to - from < PBWL__GROUP ? to - from : PBWL__GROUP;
+    pbw_index at[PBWL__GROUP], near[PBWL__GROUP];
     pbw_status status = PBW_OK;
     size_t i;
     int step;
     for (i = 0; i < count; i++) {
         at[i] = which != NULL ? which[from + i] : (pbw_index)(from + i);
         near[i] = batch->near(batch->arg, core, at[i]);
-        near[i] = near[i] != 0 && pbw__hold(kernel, near[i]) && core->incident[near[i]] < PBW__GONE ? near[i] : 0;
+        near[i] = near[i] != 0 && pbwl__hold(kernel, near[i]) && core->incident[near[i]] < PBWL__VERTEX_REMOVED
+                ? near[i] : 0;
     }
     for (step = 0; step < 4; step++) {
         for (i = 0; i < count; i++) {
             if (near[i] != 0) {
-                pbw__prefetch_star(core, near[i], step);
+                pbwl__prefetch_star(core, near[i], step);
             }
         }
     }
@@ -3148,21 +3169,21 @@ static pbw_status pbw__batch_group(const pbw__changing *batch, pbw__core *core, 
                 kernel->left[kernel->left_count++] = at[i];
             }
         }
-        status = status == PBW_OK && core->effort > batch->most_effort ? PBW__ANEW : status;
+        status = status == PBW_OK && core->effort > batch->most_effort ? PBWL__REBUILD : status;
     }
     return status;
 }
 
 /* Makes changes from..to-1 of a list, which may be kernel.left itself.  Releases the vertices that it claims, unless
    a change fails. */
-static pbw_status pbw__batch_range(const pbw__changing *batch, pbw__core *core, const pbw_index *which, size_t from,
-                                   size_t to)
+static pbw_status pbwl__batch_range(const pbwl__changing *batch, pbwl__core *core, const pbw_index *which,
+                                    size_t from, size_t to)
 {
     pbw__ownership *own = &core->kernel.own;
     pbw_status status = PBW_OK;
     size_t i;
-    for (i = from; i < to && status == PBW_OK && !PBW__LOAD(&batch->stop); i += PBW__GROUP) {
-        status = pbw__batch_group(batch, core, which, i, to);
+    for (i = from; i < to && status == PBW_OK && !PBW__LOAD(&batch->stop); i += PBWL__GROUP) {
+        status = pbwl__batch_group(batch, core, which, i, to);
         while (status == PBW_OK && own->owner != NULL && own->claim_count > 0) {     /* on failure a star is open */
             PBW__STORE_RELEASE(own->owner + own->claim[--own->claim_count], PBW__NOBODY);
             PBW__TEST_PAUSE();
@@ -3175,22 +3196,22 @@ static pbw_status pbw__batch_range(const pbw__changing *batch, pbw__core *core, 
     return status;
 }
 
-static void pbw__batch_task(void *arg, int part)
+static void pbwl__batch_task(void *arg, int part)
 {
-    pbw__changing *batch = (pbw__changing *)arg;
-    pbw__core *core = batch->core->task[part];
+    pbwl__changing *batch = (pbwl__changing *)arg;
+    pbwl__core *core = batch->core->task[part];
     pbw__kernel *kernel = &core->kernel;
     size_t from = PBW__ADD(&batch->next, batch->grain), count;
     while (from < batch->round_count && kernel->status == PBW_OK && !PBW__LOAD(&batch->stop)) {
         const size_t rest = batch->round_count - from;
-        kernel->status = pbw__batch_range(batch, core, batch->which, from,
-                                          from + (rest < batch->grain ? rest : batch->grain));
+        kernel->status = pbwl__batch_range(batch, core, batch->which, from,
+                                           from + (rest < batch->grain ? rest : batch->grain));
         from = PBW__ADD(&batch->next, batch->grain);
     }
     count = kernel->left_count;
     kernel->left_count = 0;                          /* once more: other tasks have moved on */
     if (kernel->status == PBW_OK) {
-        kernel->status = pbw__batch_range(batch, core, kernel->left, 0, count);
+        kernel->status = pbwl__batch_range(batch, core, kernel->left, 0, count);
     }
     if (kernel->status != PBW_OK) {
         PBW__STORE(&batch->stop, 1);
@@ -3198,7 +3219,7 @@ static void pbw__batch_task(void *arg, int part)
 }
 
 /* Moves the free slots of a task to the core's list. */
-static void pbw__collect_slots(pbw__core *core, pbw__core *task)
+static void pbwl__collect_slots(pbwl__core *core, pbwl__core *task)
 {
     pbw__slots *slots = &task->kernel.slots, *all = &core->kernel.slots;
     while (slots->tail < slots->tail_end) {
@@ -3216,7 +3237,7 @@ static void pbw__collect_slots(pbw__core *core, pbw__core *task)
 }
 
 /* Moves up to `count` free slots from one core to another; core: the main one. */
-static void pbw__move_slots(const pbw__core *core, pbw__core *from, pbw__core *to, size_t count)
+static void pbwl__move_slots(const pbwl__core *core, pbwl__core *from, pbwl__core *to, size_t count)
 {
     pbw__slots *source = &from->kernel.slots, *slots = &to->kernel.slots;
     for (; count > 0 && source->free_count > 0; count--, source->free_count--) {
@@ -3230,36 +3251,36 @@ static void pbw__move_slots(const pbw__core *core, pbw__core *from, pbw__core *t
 
 /* Gives free slots to the tasks of a round.  Each keeps its own between rounds, as walking a list takes time; slots
    beyond its needs go to others. */
-static void pbw__share_slots(const pbw__changing *batch)
+static void pbwl__share_slots(const pbwl__changing *batch)
 {
-    pbw__core *core = batch->core;
+    pbwl__core *core = batch->core;
     const size_t parts = (size_t)batch->parts, wanted = batch->slots * (batch->round_count / parts) + 64;
     size_t missing = 0, part;
     for (part = 0; part < core->tasks; part++) {
         const size_t have = core->task[part]->kernel.slots.free_count;
         missing += part < parts && have < wanted ? wanted - have : 0;
         if (part >= parts) {
-            pbw__collect_slots(core, core->task[part]);
+            pbwl__collect_slots(core, core->task[part]);
         }
     }
     for (part = 0; part < parts && missing > core->kernel.slots.free_count; part++) {
         const size_t have = core->task[part]->kernel.slots.free_count;
         const size_t surplus = have > wanted ? have - wanted : 0, more = missing - core->kernel.slots.free_count;
-        pbw__move_slots(core, core->task[part], core, surplus < more ? surplus : more);
+        pbwl__move_slots(core, core->task[part], core, surplus < more ? surplus : more);
     }
     for (part = 0; part < parts; part++) {
         const size_t have = core->task[part]->kernel.slots.free_count;
         const size_t share = core->kernel.slots.free_count / (parts - part), less = have < wanted ? wanted - have : 0;
-        pbw__move_slots(core, core, core->task[part], less < share ? less : share);
+        pbwl__move_slots(core, core, core->task[part], less < share ? less : share);
     }
 }
 
 /* Makes a task's core share the arrays of the main core. */
-static void pbw__task_begin(const pbw__changing *batch, int part, uint8_t *owner)
+static void pbwl__task_begin(const pbwl__changing *batch, int part, uint8_t *owner)
 {
-    pbw__core *core = batch->core, *task = core->task[part];
+    pbwl__core *core = batch->core, *task = core->task[part];
     pbw__kernel *kernel = &task->kernel, *main = &core->kernel;
-    memcpy(task, core, offsetof(pbw__core, kernel));
+    memcpy(task, core, offsetof(pbwl__core, kernel));
     memcpy(&kernel->context, &main->context, offsetof(pbw__kernel, slots) - offsetof(pbw__kernel, context));
     kernel->last = PBW_NONE;
     kernel->previous = kernel->vertex_count = 0;
@@ -3274,7 +3295,7 @@ static void pbw__task_begin(const pbw__changing *batch, int part, uint8_t *owner
 }
 
 /* Adds up what a task counted, and collects the changes that it left. */
-static pbw_status pbw__task_end(pbw__core *core, pbw__core *task)
+static pbw_status pbwl__task_end(pbwl__core *core, pbwl__core *task)
 {
     const pbw__kernel *kernel = &task->kernel;
     pbw__kernel *main = &core->kernel;
@@ -3282,7 +3303,7 @@ static pbw_status pbw__task_end(pbw__core *core, pbw__core *task)
     core->effort += task->effort;
     core->reinserted += task->reinserted;
     if (!PBW__GROW(main, main, left, main->left_count + kernel->left_count)
-        || !PBW__CORE_GROW(core, open, core->open_count + task->open_count)) {
+        || !PBWL__CORE_GROW(core, open, core->open_count + task->open_count)) {
         return PBW_ERROR_MEMORY;
     }
     if (kernel->left_count > 0) {
@@ -3297,9 +3318,9 @@ static pbw_status pbw__task_end(pbw__core *core, pbw__core *task)
 }
 
 /* Makes cores for the tasks, and enough slots. */
-static pbw_status pbw__batch_room(const pbw__changing *batch)
+static pbw_status pbwl__batch_room(const pbwl__changing *batch)
 {
-    pbw__core *core = batch->core;
+    pbwl__core *core = batch->core;
     pbw__context *context = core->kernel.context;
     pbw__store *store = &core->store;
     const size_t parts = (size_t)batch->parts, wanted = batch->slots * batch->round_count + 2048 * parts;
@@ -3309,11 +3330,11 @@ static pbw_status pbw__batch_room(const pbw__changing *batch)
         have += core->task[part]->kernel.slots.free_count;
     }
     needed = wanted > have ? store->capacity + wanted - have : 0;
-    if (!PBW__CORE_GROW(core, task, parts)) {
+    if (!PBWL__CORE_GROW(core, task, parts)) {
         return PBW_ERROR_MEMORY;
     }
     while (core->tasks < parts) {
-        pbw__core *task = (pbw__core *)pbw__allocate(&context->memory, 1, sizeof(pbw__core));
+        pbwl__core *task = (pbwl__core *)pbw__allocate(&context->memory, 1, sizeof(pbwl__core));
         if (task == NULL) {
             return PBW_ERROR_MEMORY;
         }
@@ -3322,8 +3343,8 @@ static pbw_status pbw__batch_room(const pbw__changing *batch)
         task->kernel.dim = core->kernel.dim;
         task->kernel.slots.free_list = PBW_NONE;
         if (pbw__scratch_create(&task->kernel) != PBW_OK) {
-            pbw__core_free_own(context, task);
-            pbw__release(&context->memory, task, 1, sizeof(pbw__core));
+            pbwl__core_free_own(context, task);
+            pbw__release(&context->memory, task, 1, sizeof(pbwl__core));
             return PBW_ERROR_MEMORY;
         }
         core->task[core->tasks++] = task;
@@ -3333,16 +3354,16 @@ static pbw_status pbw__batch_room(const pbw__changing *batch)
         status = pbw__store_reserve(context, store, needed);
         pbw__kernel_attach(&core->kernel);
     }
-    return status == PBW_OK && !pbw__journal_reserve(core) ? PBW_ERROR_MEMORY : status;
+    return status == PBW_OK && !pbwl__journal_reserve(core) ? PBW_ERROR_MEMORY : status;
 }
 
-static pbw_status pbw__batch_round(pbw__changing *batch)
+static pbw_status pbwl__batch_round(pbwl__changing *batch)
 {
-    pbw__core *core = batch->core;
+    pbwl__core *core = batch->core;
     pbw__context *context = core->kernel.context;
     const size_t vertices = core->vertex_count + 1, grain = batch->round_count / (size_t)(8 * batch->parts);
     uint8_t *owner;
-    pbw_status status = pbw__batch_room(batch);
+    pbw_status status = pbwl__batch_room(batch);
     int part;
     if (status != PBW_OK) {
         return status;
@@ -3352,17 +3373,17 @@ static pbw_status pbw__batch_round(pbw__changing *batch)
         return PBW_ERROR_MEMORY;
     }
     memset(owner, PBW__NOBODY, vertices);
-    batch->grain = grain < PBW__GROUP ? PBW__GROUP : grain < 512 ? grain : 512;
+    batch->grain = grain < PBWL__GROUP ? PBWL__GROUP : grain < 512 ? grain : 512;
     batch->next = 0;
-    pbw__share_slots(batch);
+    pbwl__share_slots(batch);
     for (part = 0; part < batch->parts; part++) {
-        pbw__task_begin(batch, part, owner);
+        pbwl__task_begin(batch, part, owner);
     }
-    pbw__for(context, batch->parts, pbw__batch_task, batch);
+    pbw__for(context, batch->parts, pbwl__batch_task, batch);
     core->kernel.left_count = 0;
     core->kernel.last = PBW_NONE;
     for (part = 0; part < batch->parts; part++) {
-        const pbw_status ended = pbw__task_end(core, core->task[part]);
+        const pbw_status ended = pbwl__task_end(core, core->task[part]);
         status = status == PBW_OK ? ended : status;
     }
     pbw__release(&context->memory, owner, vertices, 1);
@@ -3370,16 +3391,16 @@ static pbw_status pbw__batch_round(pbw__changing *batch)
 }
 
 /* Returns the number of tasks for so many changes: 1 with weights, as hidden points are for one thread. */
-static int pbw__batch_parts(const pbw__core *core, size_t count)
+static int pbwl__batch_parts(const pbwl__core *core, size_t count)
 {
-    const size_t most = count / PBW__LEAST_CHANGES;
+    const size_t most = count / PBWL__LEAST_CHANGES;
     const size_t threads = (size_t)core->kernel.context->threads;
     const size_t parts = threads < PBW__NOBODY ? threads : PBW__NOBODY;
     return core->kernel.weighted ? 1 : (int)(most < parts ? most : parts);
 }
 
 /* Makes all changes of a batch, or if `again` those in kernel.left, which then has those that are left. */
-static pbw_status pbw__batch_all(pbw__core *core, pbw__changing *batch, int again)
+static pbw_status pbwl__batch_all(pbwl__core *core, pbwl__changing *batch, int again)
 {
     pbw__kernel *kernel = &core->kernel;
     pbw_status status = PBW_OK;
@@ -3388,19 +3409,19 @@ static pbw_status pbw__batch_all(pbw__core *core, pbw__changing *batch, int agai
     batch->stop = 0;
     batch->which = again ? kernel->left : NULL;
     batch->round_count = again ? kernel->left_count : batch->count;
-    batch->parts = pbw__batch_parts(core, batch->round_count);
+    batch->parts = pbwl__batch_parts(core, batch->round_count);
     while (batch->parts > 1 && status == PBW_OK) {
         before = batch->round_count;
-        status = pbw__batch_round(batch);
+        status = pbwl__batch_round(batch);
         batch->which = kernel->left;
         batch->round_count = kernel->left_count;
-        batch->parts = 4 * batch->round_count < 3 * before ? pbw__batch_parts(core, batch->round_count) : 1;
+        batch->parts = 4 * batch->round_count < 3 * before ? pbwl__batch_parts(core, batch->round_count) : 1;
     }
     for (part = 0; part < core->tasks && kernel->slots.free_count < batch->slots * batch->round_count + 64; part++) {
-        pbw__collect_slots(core, core->task[part]);
+        pbwl__collect_slots(core, core->task[part]);
     }
     kernel->left_count = 0;
-    return status == PBW_OK ? pbw__batch_range(batch, core, batch->which, 0, batch->round_count) : status;
+    return status == PBW_OK ? pbwl__batch_range(batch, core, batch->which, 0, batch->round_count) : status;
 }
 
 /* ------------------------------------------------------------------------------------------------------
@@ -3413,44 +3434,44 @@ static pbw_status pbw__batch_all(pbw__core *core, pbw__changing *batch, int agai
    along the curve.  Writes to tables are noted as edits, deleted simplices in the journal: both are undone if
    something fails.
    ------------------------------------------------------------------------------------------------------ */
-typedef struct pbw__classes { pbw_live *live; size_t leave, arrive; } pbw__classes;
+typedef struct pbwl__classes { pbw_live *live; size_t leave, arrive; } pbwl__classes;
 
 /* Marks and counts those in the queue that leave a place, and those that arrive at one. */
-static pbw_status pbw__live_classify_range(void *arg, size_t from, size_t to)
+static pbw_status pbwl__classify_range(void *arg, size_t from, size_t to)
 {
-    pbw__classes *classes = (pbw__classes *)arg;
+    pbwl__classes *classes = (pbwl__classes *)arg;
     pbw_live *live = classes->live;
     size_t leave = 0, arrive = 0, i;
     for (i = from; i < to; i++) {
         const pbw_index id = live->queue[i];
-        const unsigned state = live->state[id] & (PBW__LIVES | PBW__STAYS | PBW__QUEUED);
-        const int lives = (state & PBW__LIVES) != 0, stays = (state & PBW__STAYS) != 0;
-        const int moves = lives && stays && !pbw__same_place(pbw__live_point(live, id),
-                                                             pbw__core_record(&live->core, live->core.vertex[id]),
+        const unsigned state = live->state[id] & (PBWL__COMMITTED | PBWL__KEPT | PBWL__QUEUED);
+        const int lives = (state & PBWL__COMMITTED) != 0, stays = (state & PBWL__KEPT) != 0;
+        const int moves = lives && stays && !pbw__same_place(pbwl__point(live, id),
+                                                             pbwl__core_record(&live->core, live->core.vertex[id]),
                                                              live->dim);
         const unsigned leaves = lives && (moves || !stays), arrives = stays && (moves || !lives);
-        live->state[id] = (unsigned char)(state | leaves * PBW__LEAVES | arrives * PBW__ARRIVES);
+        live->state[id] = (unsigned char)(state | leaves * PBWL__OLD_PLACE | arrives * PBWL__NEW_PLACE);
         leave += leaves;
         arrive += arrives;
-        pbw__live_prefetch(live, i, to);
+        pbwl__prefetch(live, i, to);
     }
     (void)PBW__ADD(&classes->leave, leave);
     (void)PBW__ADD(&classes->arrive, arrive);
     return PBW_OK;
 }
 
-static pbw_index *pbw__live_entry(pbw_live *live, unsigned table, size_t at)
+static pbw_index *pbwl__entry(pbw_live *live, unsigned table, size_t at)
 {
-    pbw__core *core = &live->core;
-    return (table == PBW__EDIT_VERTEX ? core->vertex : table == PBW__EDIT_TWIN ? core->twin : core->place) + at;
+    pbwl__core *core = &live->core;
+    return (table == PBWL__EDIT_VERTEX ? core->vertex : table == PBWL__EDIT_TWIN ? core->twin : core->place) + at;
 }
 
 /* Writes to a table of the core and notes the edit.  Returns 0 if memory is short. */
-static int pbw__live_set(pbw_live *live, unsigned table, size_t at, pbw_index value)
+static int pbwl__set(pbw_live *live, unsigned table, size_t at, pbw_index value)
 {
-    pbw_index *entry = pbw__live_entry(live, table, at);
-    pbw__edit *edit;
-    if (!PBW__LIVE_GROW(live, edit, live->edit_count + 1)) {
+    pbw_index *entry = pbwl__entry(live, table, at);
+    pbwl__edit *edit;
+    if (!PBWL__GROW(live, edit, live->edit_count + 1)) {
         return 0;
     }
     edit = live->edit + live->edit_count++;
@@ -3461,19 +3482,19 @@ static int pbw__live_set(pbw_live *live, unsigned table, size_t at, pbw_index va
     return 1;
 }
 
-PBW__INLINE size_t pbw__place_slot(const pbw__core *core, const double *x)
+PBW__INLINE size_t pbwl__place_slot(const pbwl__core *core, const double *x)
 {
     return (size_t)(pbw__hash_doubles(0, x, core->kernel.dim) >> 20) & (core->place_capacity - 1);
 }
 
 /* Returns the entry of the table of places that has, or would have, the vertex at x. */
-static size_t pbw__place_find(const pbw__core *core, const double *x)
+static size_t pbwl__place_find(const pbwl__core *core, const double *x)
 {
     const int dim = core->kernel.dim;
-    size_t at = pbw__place_slot(core, x);
+    size_t at = pbwl__place_slot(core, x);
     for (; core->place[at] != 0; at = (at + 1) & (core->place_capacity - 1)) {
         const pbw_index v = core->place[at];
-        if (pbw__same_place(pbw__core_record(core, v), x, dim) && core->incident[v] != PBW__GONE) {
+        if (pbw__same_place(pbwl__core_record(core, v), x, dim) && core->incident[v] != PBWL__VERTEX_REMOVED) {
             break;
         }
     }
@@ -3482,16 +3503,16 @@ static size_t pbw__place_find(const pbw__core *core, const double *x)
 
 /* Puts a vertex into an empty entry of the table, by compare-and-swap, as tasks compete.  Returns the entry, or
    PBW_NONE if a vertex is at the same place. */
-PBW__INLINE pbw_index pbw__place_enter(pbw__core *core, const double *x, pbw_index vertex)
+PBW__INLINE pbw_index pbwl__place_enter(pbwl__core *core, const double *x, pbw_index vertex)
 {
-    size_t at = pbw__place_slot(core, x);
+    size_t at = pbwl__place_slot(core, x);
     pbw_index v = PBW__LOAD(core->place + at);
     while (v != 0 || !PBW__CAS(core->place + at, &v, vertex)) {
         if (v == 0) {
             continue;                                /* a spurious failure */
         }
-        if (v != vertex && pbw__same_place(pbw__core_record(core, v), x, core->kernel.dim)
-            && core->incident[v] != PBW__GONE) {
+        if (v != vertex && pbw__same_place(pbwl__core_record(core, v), x, core->kernel.dim)
+            && core->incident[v] != PBWL__VERTEX_REMOVED) {
             return PBW_NONE;
         }
         at = (at + 1) & (core->place_capacity - 1);
@@ -3500,21 +3521,21 @@ PBW__INLINE pbw_index pbw__place_enter(pbw__core *core, const double *x, pbw_ind
     return (pbw_index)at;
 }
 
-static pbw_status pbw__place_clear(void *arg, size_t from, size_t to)
+static pbw_status pbwl__place_clear(void *arg, size_t from, size_t to)
 {
     memset((pbw_index *)arg + from, 0, (to - from) * sizeof(pbw_index));
     return PBW_OK;
 }
 
-static pbw_status pbw__place_fill(void *arg, size_t from, size_t to)
+static pbw_status pbwl__place_fill(void *arg, size_t from, size_t to)
 {
-    pbw__core *core = (pbw__core *)arg;
+    pbwl__core *core = (pbwl__core *)arg;
     size_t placed = 0, v;
     for (v = from + 1; v <= to; v++) {
         const size_t soon = v + 16 <= to ? v + 16 : v;
-        PBW__PREFETCH_TO_WRITE(core->place + pbw__place_slot(core, pbw__core_record(core, (pbw_index)soon)));
-        if (core->incident[v] != PBW__GONE) {
-            (void)pbw__place_enter(core, pbw__core_record(core, (pbw_index)v), (pbw_index)v);
+        PBW__PREFETCH_TO_WRITE(core->place + pbwl__place_slot(core, pbwl__core_record(core, (pbw_index)soon)));
+        if (core->incident[v] != PBWL__VERTEX_REMOVED) {
+            (void)pbwl__place_enter(core, pbwl__core_record(core, (pbw_index)v), (pbw_index)v);
             placed++;
         }
     }
@@ -3523,9 +3544,9 @@ static pbw_status pbw__place_fill(void *arg, size_t from, size_t to)
 }
 
 /* Makes room in the table of places for `more` vertices, in a new table if need be. */
-static pbw_status pbw__place_reserve(pbw_live *live, size_t more)
+static pbw_status pbwl__place_reserve(pbw_live *live, size_t more)
 {
-    pbw__core *core = &live->core;
+    pbwl__core *core = &live->core;
     pbw__context *context = core->kernel.context;
     size_t room = 64;
     pbw_status status;
@@ -3542,8 +3563,8 @@ static pbw_status pbw__place_reserve(pbw_live *live, size_t more)
         return PBW_ERROR_MEMORY;
     }
     core->place_capacity = room;
-    status = pbw__for_range(context, room, 65536, 0.0, pbw__place_clear, core->place);
-    status = status == PBW_OK ? pbw__for_range(context, core->vertex_count, 4096, 0.0, pbw__place_fill, core)
+    status = pbw__for_range(context, room, 65536, 0.0, pbwl__place_clear, core->place);
+    status = status == PBW_OK ? pbw__for_range(context, core->vertex_count, 4096, 0.0, pbwl__place_fill, core)
                               : status;
     if (status != PBW_OK) {
         PBW__RELEASE(&context->memory, core, place);
@@ -3554,58 +3575,58 @@ static pbw_status pbw__place_reserve(pbw_live *live, size_t more)
 }
 
 /* Prefetches the entry for x in the table of places or, some steps later, the record of the vertex in it. */
-PBW__INLINE void pbw__place_prefetch(const pbw__core *core, const double *x, int later)
+PBW__INLINE void pbwl__place_prefetch(const pbwl__core *core, const double *x, int later)
 {
-    const size_t at = pbw__place_slot(core, x);
+    const size_t at = pbwl__place_slot(core, x);
     if (!later) {
         PBW__PREFETCH(core->place + at);
     } else {
-        PBW__PREFETCH(pbw__core_record(core, PBW__LOAD(core->place + at)));
+        PBW__PREFETCH(pbwl__core_record(core, PBW__LOAD(core->place + at)));
     }
 }
 
-/* Makes room for a batch that changes `more` places.  anew: they may get new vertices, and are looked up. */
-static pbw_status pbw__batch_reserve(pbw_live *live, size_t more, int anew)
+/* Makes room for a batch that changes `more` places.  new_vertices: they may need some, and are looked up. */
+static pbw_status pbwl__batch_reserve(pbw_live *live, size_t more, int new_vertices)
 {
-    pbw__core *core = &live->core;
-    const size_t vertices = core->vertex_count + (anew ? more : 0) + 1, width = (size_t)live->dim + 1;
+    pbwl__core *core = &live->core;
+    const size_t vertices = core->vertex_count + (new_vertices ? more : 0) + 1, width = (size_t)live->dim + 1;
     const size_t old = core->local_capacity;
-    const int room = vertices < PBW__GONE && PBW__CORE_GROW(core, vertex, live->count)
-        && PBW__CORE_GROW(core, twin, live->count) && PBW__CORE_GROW(core, record, vertices * width)
-        && PBW__CORE_GROW(core, name, vertices) && PBW__CORE_GROW(core, incident, vertices)
-        && PBW__CORE_GROW(core, local, vertices) && PBW__CORE_GROW(core, rim_vertex, more + 1)
-        && PBW__CORE_GROW(core, unused, core->unused_count + more)
-        && PBW__CORE_GROW(core, covered, core->hidden_count)
-        && PBW__CORE_GROW(core, cover, core->hidden_count) && PBW__LIVE_GROW(live, head, more + 1)
-        && PBW__LIVE_GROW(live, leaving, more + 1) && PBW__LIVE_GROW(live, arriving, more + 1)
-        && PBW__LIVE_GROW(live, joining, more + 1);
+    const int room = vertices < PBWL__VERTEX_REMOVED && PBWL__CORE_GROW(core, vertex, live->count)
+        && PBWL__CORE_GROW(core, twin, live->count) && PBWL__CORE_GROW(core, record, vertices * width)
+        && PBWL__CORE_GROW(core, name, vertices) && PBWL__CORE_GROW(core, incident, vertices)
+        && PBWL__CORE_GROW(core, local, vertices) && PBWL__CORE_GROW(core, link_vertex, more + 1)
+        && PBWL__CORE_GROW(core, unused, core->unused_count + more)
+        && PBWL__CORE_GROW(core, next_hidden, core->hidden_count)
+        && PBWL__CORE_GROW(core, next_container, core->hidden_count) && PBWL__GROW(live, head, more + 1)
+        && PBWL__GROW(live, leaving, more + 1) && PBWL__GROW(live, arriving, more + 1)
+        && PBWL__GROW(live, joining, more + 1);
     core->kernel.record = core->record;              /* it may have moved even if memory ran short later */
     memset(core->local + old, 0, (core->local_capacity - old) * sizeof(pbw_index));
-    return !room ? PBW_ERROR_MEMORY : anew ? pbw__place_reserve(live, more) : PBW_OK;
+    return !room ? PBW_ERROR_MEMORY : new_vertices ? pbwl__place_reserve(live, more) : PBW_OK;
 }
 
-/* Adds a vertex to the list of those with changes, rim_vertex, unless it is there.  Returns where it is.  head: the
+/* Adds a vertex to the list of those with changes, link_vertex, unless it is there.  Returns where it is.  head: the
    first of its numbers, PBW_NONE if it has none yet. */
-static size_t pbw__live_affect(pbw_live *live, pbw_index v, pbw_index head)
+static size_t pbwl__affect(pbw_live *live, pbw_index v, pbw_index head)
 {
-    pbw__core *core = &live->core;
-    const size_t before = core->rim_vertices, at = pbw__rim_place(core, v);
-    if (core->rim_vertices != before) {
+    pbwl__core *core = &live->core;
+    const size_t before = core->link_vertices, at = pbwl__link_place(core, v);
+    if (core->link_vertices != before) {
         live->head[at] = head;
     }
     return at;
 }
 
 /* Removes the numbers that leave from those of a place.  Returns 0 if memory is short. */
-static int pbw__live_sieve(pbw_live *live, size_t at)
+static int pbwl__sieve(pbw_live *live, size_t at)
 {
     const pbw_index *twin = live->core.twin;
-    const pbw_index first = live->core.name[live->core.rim_vertex[at]];
+    const pbw_index first = live->core.name[live->core.link_vertex[at]];
     pbw_index head = PBW_NONE, last = PBW_NONE, id = first, next;
     do {
         next = twin[id];
-        if ((live->state[id] & PBW__LEAVES) == 0) {
-            if (last != PBW_NONE && twin[last] != id && !pbw__live_set(live, PBW__EDIT_TWIN, last, id)) {
+        if ((live->state[id] & PBWL__OLD_PLACE) == 0) {
+            if (last != PBW_NONE && twin[last] != id && !pbwl__set(live, PBWL__EDIT_TWIN, last, id)) {
                 return 0;
             }
             head = head == PBW_NONE ? id : head;
@@ -3614,19 +3635,19 @@ static int pbw__live_sieve(pbw_live *live, size_t at)
         id = next;
     } while (id != first);
     live->head[at] = head;
-    return head == PBW_NONE || twin[last] == head || pbw__live_set(live, PBW__EDIT_TWIN, last, head);
+    return head == PBW_NONE || twin[last] == head || pbwl__set(live, PBWL__EDIT_TWIN, last, head);
 }
 
 /* Makes a vertex for a number at a place; it still has to be inserted. */
-static pbw_index pbw__live_new_vertex(pbw_live *live, const double *x, pbw_index id)
+static pbw_index pbwl__new_vertex(pbw_live *live, const double *x, pbw_index id)
 {
-    pbw__core *core = &live->core;
+    pbwl__core *core = &live->core;
     const size_t dim = (size_t)live->dim;
     const pbw_index v = core->unused_count > 0 ? core->unused[--core->unused_count] : (pbw_index)++core->vertex_count;
     double *record = core->record + v * (dim + 1);
     memmove(record, x, dim * sizeof(double));
     record[dim] = live->weight[id];
-    core->incident[v] = PBW__WAITING;
+    core->incident[v] = PBWL__VERTEX_PENDING;
     core->name[v] = id;
     core->local[v] = 0;
     return v;
@@ -3634,22 +3655,22 @@ static pbw_index pbw__live_new_vertex(pbw_live *live, const double *x, pbw_index
 
 /* Adds a number to those of its place.  The place has no vertex only if two numbers arrived there and each found an
    outdated entry of the other one's vertex, which had been in use before.  Returns 0 if memory is short. */
-static int pbw__live_join(pbw_live *live, pbw_index id)
+static int pbwl__join(pbw_live *live, pbw_index id)
 {
-    pbw__core *core = &live->core;
-    const size_t slot = pbw__place_find(core, pbw__live_point(live, id));
+    pbwl__core *core = &live->core;
+    const size_t slot = pbwl__place_find(core, pbwl__point(live, id));
     const int none = core->place[slot] == 0;
-    const pbw_index v = none ? pbw__live_new_vertex(live, pbw__live_point(live, id), id) : core->place[slot];
-    const size_t at = pbw__live_affect(live, v, none ? PBW_NONE : core->name[v]);
+    const pbw_index v = none ? pbwl__new_vertex(live, pbwl__point(live, id), id) : core->place[slot];
+    const size_t at = pbwl__affect(live, v, none ? PBW_NONE : core->name[v]);
     const pbw_index head = live->head[at];
     if (none) {
         core->placed++;
         live->arriving[live->arriving_count++] = v;
     }
-    if ((none && !pbw__live_set(live, PBW__EDIT_PLACE, slot, v))
-        || !pbw__live_set(live, PBW__EDIT_VERTEX, id, v)
-        || !pbw__live_set(live, PBW__EDIT_TWIN, id, head == PBW_NONE ? id : core->twin[head])
-        || (head != PBW_NONE && !pbw__live_set(live, PBW__EDIT_TWIN, head, id))) {
+    if ((none && !pbwl__set(live, PBWL__EDIT_PLACE, slot, v))
+        || !pbwl__set(live, PBWL__EDIT_VERTEX, id, v)
+        || !pbwl__set(live, PBWL__EDIT_TWIN, id, head == PBW_NONE ? id : core->twin[head])
+        || (head != PBW_NONE && !pbwl__set(live, PBWL__EDIT_TWIN, head, id))) {
         return 0;
     }
     live->head[at] = head == PBW_NONE ? id : head;
@@ -3658,10 +3679,10 @@ static int pbw__live_join(pbw_live *live, pbw_index id)
 
 /* Chooses the number that gives a place its vertex: the largest weight, then the lowest number.  If that is another
    number than before, a new vertex replaces the old one.  Returns 0 if memory is short. */
-static int pbw__live_elect(pbw_live *live, size_t at)
+static int pbwl__elect(pbw_live *live, size_t at)
 {
-    pbw__core *core = &live->core;
-    const pbw_index v = core->rim_vertex[at], head = live->head[at];
+    pbwl__core *core = &live->core;
+    const pbw_index v = core->link_vertex[at], head = live->head[at];
     pbw_index best = head, id, other;
     if (head == PBW_NONE) {
         live->leaving[live->leaving_count++] = v;
@@ -3672,7 +3693,7 @@ static int pbw__live_elect(pbw_live *live, size_t at)
             best = id;
         }
     }
-    if (core->incident[v] == PBW__WAITING) {
+    if (core->incident[v] == PBWL__VERTEX_PENDING) {
         core->name[v] = best;
         core->record[v * ((size_t)live->dim + 1) + (size_t)live->dim] = live->weight[best];
         core->local[v] = 0;
@@ -3681,27 +3702,27 @@ static int pbw__live_elect(pbw_live *live, size_t at)
     if (best == core->name[v]) {
         return 1;
     }
-    other = pbw__live_new_vertex(live, pbw__core_record(core, v), best);
+    other = pbwl__new_vertex(live, pbwl__core_record(core, v), best);
     live->leaving[live->leaving_count++] = v;
     live->arriving[live->arriving_count++] = other;
     id = head;
     do {
-        if (!pbw__live_set(live, PBW__EDIT_VERTEX, id, other)) {
+        if (!pbwl__set(live, PBWL__EDIT_VERTEX, id, other)) {
             return 0;
         }
         id = core->twin[id];
     } while (id != head);
-    return pbw__live_set(live, PBW__EDIT_PLACE, pbw__place_find(core, pbw__core_record(core, v)), other);
+    return pbwl__set(live, PBWL__EDIT_PLACE, pbwl__place_find(core, pbwl__core_record(core, v)), other);
 }
 
 /* Sorts a list along the curve by the points base[list[i] * stride]. */
-static pbw_status pbw__live_sort(const pbw_live *live, const double *base, size_t stride, pbw_index *list,
-                                 size_t count)
+static pbw_status pbwl__sort(const pbw_live *live, const double *base, size_t stride, pbw_index *list,
+                             size_t count)
 {
     pbw__context *context = live->core.kernel.context;
     const size_t dim = (size_t)live->dim;
     const pbw_stage stage = context->stage;
-    pbw__stand stand;
+    pbwl__gathered gathered;
     pbw__input input;
     pbw__vertices vertices;
     pbw_status status = PBW_ERROR_MEMORY;
@@ -3709,63 +3730,63 @@ static pbw_status pbw__live_sort(const pbw_live *live, const double *base, size_
     if (count < 3) {
         return PBW_OK;
     }
-    memset(&stand, 0, sizeof(stand));
-    if (pbw__stand_create(&context->memory, &stand, count, live->dim)) {
+    memset(&gathered, 0, sizeof(gathered));
+    if (pbwl__gathered_create(&context->memory, &gathered, count, live->dim)) {
         for (i = 0; i < count; i++) {
             PBW__PREFETCH(base + list[i + 16 < count ? i + 16 : i] * stride);
-            memcpy(stand.points + i * dim, base + list[i] * stride, dim * sizeof(double));
+            memcpy(gathered.points + i * dim, base + list[i] * stride, dim * sizeof(double));
         }
-        stand.count = count;
-        pbw__stand_input(&stand, 0, &input);
+        gathered.count = count;
+        pbwl__gathered_input(&gathered, 0, &input);
         input.bare = 1;
         status = pbw__enter_stage(context, PBW_STAGE_ORDER) ? PBW_CANCELLED : pbw__order(context, &input, &vertices);
     }
     if (status == PBW_OK) {
-        memcpy(stand.list, list, count * sizeof(pbw_index));
+        memcpy(gathered.list, list, count * sizeof(pbw_index));
         for (i = 0; i < count; i++) {
-            list[i] = stand.list[vertices.id[i + 1]];
+            list[i] = gathered.list[vertices.id[i + 1]];
         }
         pbw__vertices_free(context, &vertices);
         status = pbw__enter_stage(context, stage) ? PBW_CANCELLED : PBW_OK;
     }
-    pbw__stand_free(&context->memory, &stand);
+    pbwl__gathered_free(&context->memory, &gathered);
     return status;
 }
 
 /* Lists the numbers that arrive, along the curve, so that their vertices are in this order too. */
-static pbw_status pbw__batch_arrivals(pbw_live *live)
+static pbw_status pbwl__batch_arrivals(pbw_live *live)
 {
     size_t i, count = 0;
     for (i = 0; i < live->queue_count; i++) {
         live->joining[count] = live->queue[i];
-        count += (live->state[live->queue[i]] & PBW__ARRIVES) != 0;
+        count += (live->state[live->queue[i]] & PBWL__NEW_PLACE) != 0;
     }
     live->joining_count = count;
-    return pbw__live_sort(live, live->point, (size_t)live->dim, live->joining, count);
+    return pbwl__sort(live, live->point, (size_t)live->dim, live->joining, count);
 }
 
 /* Returns the vertex for the i-th number that arrives: first the unused ones, then new ones. */
-PBW__INLINE pbw_index pbw__arrive_vertex(const pbw_live *live, size_t i)
+PBW__INLINE pbw_index pbwl__arrive_vertex(const pbw_live *live, size_t i)
 {
-    const size_t unused = live->past_unused;
-    return i < unused ? live->core.unused[unused - 1 - i] : (pbw_index)(live->past_vertices + 1 + (i - unused));
+    const size_t unused = live->saved_unused;
+    return i < unused ? live->core.unused[unused - 1 - i] : (pbw_index)(live->saved_vertices + 1 + (i - unused));
 }
 
 /* Makes a vertex for each number that arrives. */
-static pbw_status pbw__arrive_make(void *arg, size_t from, size_t to)
+static pbw_status pbwl__arrive_make(void *arg, size_t from, size_t to)
 {
     pbw_live *live = (pbw_live *)arg;
-    pbw__core *core = &live->core;
+    pbwl__core *core = &live->core;
     const size_t dim = (size_t)live->dim;
     for (; from < to; from++) {
         const size_t soon = from + 16 < to ? from + 16 : from;
-        const pbw_index id = live->joining[from], v = pbw__arrive_vertex(live, from);
+        const pbw_index id = live->joining[from], v = pbwl__arrive_vertex(live, from);
         double *record = core->record + v * (dim + 1);
-        PBW__PREFETCH(pbw__live_point(live, live->joining[soon]));
+        PBW__PREFETCH(pbwl__point(live, live->joining[soon]));
         PBW__PREFETCH(live->weight + live->joining[soon]);
-        memcpy(record, pbw__live_point(live, id), dim * sizeof(double));
+        memcpy(record, pbwl__point(live, id), dim * sizeof(double));
         record[dim] = live->weight[id];
-        core->incident[v] = PBW__WAITING;
+        core->incident[v] = PBWL__VERTEX_PENDING;
         core->name[v] = id;
         core->local[v] = 0;
         live->arriving[from] = v;
@@ -3774,17 +3795,17 @@ static pbw_status pbw__arrive_make(void *arg, size_t from, size_t to)
 }
 
 /* Enters the new vertices into the tables.  If a vertex is at its place already, a number gets 0 in `arriving`. */
-static pbw_status pbw__arrive_enter(void *arg, size_t from, size_t to)
+static pbw_status pbwl__arrive_enter(void *arg, size_t from, size_t to)
 {
     pbw_live *live = (pbw_live *)arg;
-    pbw__core *core = &live->core;
-    pbw__edit *edit = live->edit + live->first_edit;
+    pbwl__core *core = &live->core;
+    pbwl__edit *edit = live->edit + live->first_edit;
     size_t i;
     for (i = from; i < to; i++) {
         const pbw_index id = live->joining[i], v = live->arriving[i], soon = live->joining[i + 16 < to ? i + 16 : i];
-        const pbw_index at = pbw__place_enter(core, pbw__core_record(core, v), v);
-        pbw__place_prefetch(core, pbw__core_record(core, live->arriving[i + 16 < to ? i + 16 : i]), 0);
-        pbw__place_prefetch(core, pbw__core_record(core, live->arriving[i + 8 < to ? i + 8 : i]), 1);
+        const pbw_index at = pbwl__place_enter(core, pbwl__core_record(core, v), v);
+        pbwl__place_prefetch(core, pbwl__core_record(core, live->arriving[i + 16 < to ? i + 16 : i]), 0);
+        pbwl__place_prefetch(core, pbwl__core_record(core, live->arriving[i + 8 < to ? i + 8 : i]), 1);
         PBW__PREFETCH_TO_WRITE(core->vertex + soon);
         PBW__PREFETCH_TO_WRITE(core->twin + soon);
         if (at == PBW_NONE) {
@@ -3802,14 +3823,14 @@ static pbw_status pbw__arrive_enter(void *arg, size_t from, size_t to)
 }
 
 /* Adds edits that are filled in later; the i-th is of table[i % tables].  Returns 0 if memory is short. */
-static int pbw__live_edits(pbw_live *live, size_t count, const unsigned *table, size_t tables)
+static int pbwl__edits(pbw_live *live, size_t count, const unsigned *table, size_t tables)
 {
     size_t i;
-    if (!PBW__LIVE_GROW(live, edit, live->edit_count + count)) {
+    if (!PBWL__GROW(live, edit, live->edit_count + count)) {
         return 0;
     }
     for (i = 0; i < count; i++) {
-        pbw__edit *edit = live->edit + live->edit_count++;
+        pbwl__edit *edit = live->edit + live->edit_count++;
         edit->table = table[i % tables];
         edit->at = PBW_NONE;                         /* nothing to undo yet */
         edit->old = 0;
@@ -3819,35 +3840,35 @@ static int pbw__live_edits(pbw_live *live, size_t count, const unsigned *table, 
 
 /* Gives vertices to the numbers that arrive.  Numbers at the place of another vertex join its numbers; `joining` then
    has the vertices that they did not need. */
-static pbw_status pbw__batch_arrive(pbw_live *live)
+static pbw_status pbwl__batch_arrive(pbw_live *live)
 {
-    static const unsigned table[3] = { PBW__EDIT_PLACE, PBW__EDIT_VERTEX, PBW__EDIT_TWIN };
-    pbw__core *core = &live->core;
+    static const unsigned table[3] = { PBWL__EDIT_PLACE, PBWL__EDIT_VERTEX, PBWL__EDIT_TWIN };
+    pbwl__core *core = &live->core;
     pbw__context *context = core->kernel.context;
-    const size_t count = live->joining_count, used = count < live->past_unused ? count : live->past_unused;
+    const size_t count = live->joining_count, used = count < live->saved_unused ? count : live->saved_unused;
     pbw_status status;
     size_t i;
     live->joining_count = 0;
-    if (!pbw__live_edits(live, 3 * count, table, 3)) {
+    if (!pbwl__edits(live, 3 * count, table, 3)) {
         return PBW_ERROR_MEMORY;
     }
     live->first_edit = live->edit_count - 3 * count;
     core->unused_count -= used;
     core->vertex_count += count - used;
     core->placed += count;
-    status = pbw__for_range(context, count, PBW__SMALLER(2048), 0.0, pbw__arrive_make, live);
-    status = status == PBW_OK ? pbw__for_range(context, count, PBW__SMALLER(2048), 0.0, pbw__arrive_enter, live)
+    status = pbw__for_range(context, count, PBW__SMALLER(2048), 0.0, pbwl__arrive_make, live);
+    status = status == PBW_OK ? pbw__for_range(context, count, PBW__SMALLER(2048), 0.0, pbwl__arrive_enter, live)
                               : status;
     for (i = 0; i < count && status == PBW_OK; i++) {
         if (live->arriving[i] == 0) {
-            core->incident[pbw__arrive_vertex(live, i)] = PBW__GONE;
+            core->incident[pbwl__arrive_vertex(live, i)] = PBWL__VERTEX_REMOVED;
         }
     }
     for (i = 0; i < count && status == PBW_OK; i++) {
         if (live->arriving[i] != 0) {
             live->arriving[live->arriving_count++] = live->arriving[i];
-        } else if (pbw__live_join(live, live->joining[i])) {
-            live->joining[live->joining_count++] = pbw__arrive_vertex(live, i);
+        } else if (pbwl__join(live, live->joining[i])) {
+            live->joining[live->joining_count++] = pbwl__arrive_vertex(live, i);
         } else {
             status = PBW_ERROR_MEMORY;
         }
@@ -3856,48 +3877,48 @@ static pbw_status pbw__batch_arrive(pbw_live *live)
 }
 
 /* Lists the vertices that leave and arrive, and updates the numbers of places. */
-static pbw_status pbw__batch_plan(pbw_live *live)
+static pbw_status pbwl__batch_plan(pbw_live *live)
 {
-    pbw__core *core = &live->core;
+    pbwl__core *core = &live->core;
     size_t i;
-    pbw_status status = pbw__batch_arrivals(live);
+    pbw_status status = pbwl__batch_arrivals(live);
     if (status != PBW_OK) {
         return status;
     }
-    core->rim_vertices = 0;
+    core->link_vertices = 0;
     for (i = 0; i < live->queue_count; i++) {
-        pbw__live_prefetch(live, i, live->queue_count);
-        if ((live->state[live->queue[i]] & PBW__LEAVES) != 0) {
-            (void)pbw__live_affect(live, core->vertex[live->queue[i]], PBW_NONE);
+        pbwl__prefetch(live, i, live->queue_count);
+        if ((live->state[live->queue[i]] & PBWL__OLD_PLACE) != 0) {
+            (void)pbwl__affect(live, core->vertex[live->queue[i]], PBW_NONE);
         }
     }
-    for (i = 0; i < core->rim_vertices; i++) {
-        PBW__PREFETCH(core->name + core->rim_vertex[i + 16 < core->rim_vertices ? i + 16 : i]);
-        PBW__PREFETCH(core->twin + core->name[core->rim_vertex[i + 8 < core->rim_vertices ? i + 8 : i]]);
-        if (!pbw__live_sieve(live, i)) {
+    for (i = 0; i < core->link_vertices; i++) {
+        PBW__PREFETCH(core->name + core->link_vertex[i + 16 < core->link_vertices ? i + 16 : i]);
+        PBW__PREFETCH(core->twin + core->name[core->link_vertex[i + 8 < core->link_vertices ? i + 8 : i]]);
+        if (!pbwl__sieve(live, i)) {
             return PBW_ERROR_MEMORY;
         }
     }
-    status = pbw__batch_arrive(live);
-    for (i = 0; i < core->rim_vertices; i++) {
-        if (status == PBW_OK && !pbw__live_elect(live, i)) {
+    status = pbwl__batch_arrive(live);
+    for (i = 0; i < core->link_vertices; i++) {
+        if (status == PBW_OK && !pbwl__elect(live, i)) {
             return PBW_ERROR_MEMORY;
         }
     }
     return status;
 }
 
-typedef struct pbw__fitting { const pbw_live *live; const pbw_index *list; int beyond; } pbw__fitting;
+typedef struct pbwl__fitting { const pbw_live *live; const pbw_index *list; int beyond; } pbwl__fitting;
 
-static pbw_status pbw__live_fit_range(void *arg, size_t from, size_t to)
+static pbw_status pbwl__fit_range(void *arg, size_t from, size_t to)
 {
-    pbw__fitting *fitting = (pbw__fitting *)arg;
-    const pbw__core *core = &fitting->live->core;
+    pbwl__fitting *fitting = (pbwl__fitting *)arg;
+    const pbwl__core *core = &fitting->live->core;
     const int dim = fitting->live->dim;
     const double unit = core->grid.inverse_unit;
     int k;
     for (; from < to && !PBW__LOAD(&fitting->beyond); from++) {
-        const double *x = pbw__core_record(core, fitting->list[from]);
+        const double *x = pbwl__core_record(core, fitting->list[from]);
         for (k = 0; k <= dim; k++) {
             const double units = x[k] * (k < dim ? unit : unit * unit);
             if (!(x[k] >= core->low[k] && x[k] <= core->high[k]
@@ -3911,13 +3932,13 @@ static pbw_status pbw__live_fit_range(void *arg, size_t from, size_t to)
 }
 
 /* Gives up the grid if a new record is not on it, or outside of the box that it was made for. */
-static pbw_status pbw__live_fit_grid(pbw_live *live, const pbw_index *list, size_t count)
+static pbw_status pbwl__fit_grid(pbw_live *live, const pbw_index *list, size_t count)
 {
-    pbw__core *core = &live->core;
-    pbw__fitting fitting = { live, list, 0 };
+    pbwl__core *core = &live->core;
+    pbwl__fitting fitting = { live, list, 0 };
     pbw_status status = PBW_OK;
     if (core->grid.inverse_unit != 0.0) {
-        status = pbw__for_range(core->kernel.context, count, 8192, 0.0, pbw__live_fit_range, &fitting);
+        status = pbw__for_range(core->kernel.context, count, 8192, 0.0, pbwl__fit_range, &fitting);
         if (fitting.beyond) {
             memset(&core->grid, 0, sizeof(core->grid));
             core->kernel.exact_height = 0.0;
@@ -3927,7 +3948,7 @@ static pbw_status pbw__live_fit_grid(pbw_live *live, const pbw_index *list, size
 }
 
 /* ---- the changes of a batch, see >>tasks */
-static pbw_index pbw__near_leaving(void *arg, pbw__core *core, size_t i)
+static pbw_index pbwl__near_leaving(void *arg, pbwl__core *core, size_t i)
 {
     (void)core;
     return ((const pbw_live *)arg)->leaving[i];
@@ -3935,150 +3956,152 @@ static pbw_index pbw__near_leaving(void *arg, pbw__core *core, size_t i)
 
 /* Removes the i-th vertex that leaves.  If its number arrives elsewhere, `local` of the new vertex gets a neighbour.
    */
-static pbw_status pbw__change_leaving(void *arg, pbw__core *core, size_t i, pbw_index near)
+static pbw_status pbwl__change_leaving(void *arg, pbwl__core *core, size_t i, pbw_index near)
 {
     const pbw_live *live = (const pbw_live *)arg;
     const pbw_index v = live->leaving[i], other = core->vertex[core->name[v]];
-    pbw_status status = pbw__hold(&core->kernel, v) ? PBW_OK : PBW__DEFERRED;
+    pbw_status status = pbwl__hold(&core->kernel, v) ? PBW_OK : PBW__DEFERRED;
     (void)near;
     if (status == PBW_OK && core->incident[v] == PBW_NONE) {
-        core->incident[v] = PBW__GONE;               /* it was hidden */
+        core->incident[v] = PBWL__VERTEX_REMOVED;    /* it was hidden */
         return PBW_OK;
     }
-    status = status == PBW_OK ? pbw__remove_vertex(core, v) : status;
-    if (status == PBW_OK && other != v && pbw__hold(&core->kernel, other) && core->incident[other] == PBW__WAITING) {
-        core->local[other] = core->rim_vertex[core->rim_vertices - 1];
+    status = status == PBW_OK ? pbwl__remove_vertex(core, v) : status;
+    if (status == PBW_OK && other != v && pbwl__hold(&core->kernel, other)
+        && core->incident[other] == PBWL__VERTEX_PENDING) {
+        core->local[other] = core->link_vertex[core->link_vertices - 1];
     }
     return status;
 }
 
 /* Returns a vertex near the i-th that arrives: the last one in its cell, or the neighbour in `local`. */
-static pbw_index pbw__near_arriving(void *arg, pbw__core *core, size_t i)
+static pbw_index pbwl__near_arriving(void *arg, pbwl__core *core, size_t i)
 {
     const pbw_index v = ((const pbw_live *)arg)->arriving[i];
-    const double *p = pbw__core_record(core, v);
-    return pbw__nearer_start(core, core->local[v],
-                             core->start != NULL ? PBW__LOAD(core->start + pbw__start_cell(core, p)) : 0, p);
+    const double *p = pbwl__core_record(core, v);
+    return pbwl__nearer_start(core, core->local[v],
+                              core->start != NULL ? PBW__LOAD(core->start + pbwl__start_cell(core, p)) : 0, p);
 }
 
 /* Inserts the i-th vertex that arrives, starting from `near` or from the vertex before. */
-static pbw_status pbw__change_arriving(void *arg, pbw__core *core, size_t i, pbw_index near)
+static pbw_status pbwl__change_arriving(void *arg, pbwl__core *core, size_t i, pbw_index near)
 {
     const pbw_live *live = (const pbw_live *)arg;
     const pbw_index v = live->arriving[i];
-    const double *p = pbw__core_record(core, v);
+    const double *p = pbwl__core_record(core, v);
     pbw_status status;
-    near = pbw__nearer_start(core, near, i > 0 ? live->arriving[i - 1] : 0, p);
-    if (!pbw__hold(&core->kernel, v) || (near == 0 && core->kernel.own.owner != NULL)) {
+    near = pbwl__nearer_start(core, near, i > 0 ? live->arriving[i - 1] : 0, p);
+    if (!pbwl__hold(&core->kernel, v) || (near == 0 && core->kernel.own.owner != NULL)) {
         return PBW__DEFERRED;
     }
-    status = pbw__insert_vertex(core, v, pbw__start_near(core, near != 0 ? core->incident[near] : core->kernel.last));
+    status = pbwl__insert_vertex(core, v,
+                                 pbwl__start_near(core, near != 0 ? core->incident[near] : core->kernel.last));
     if (core->start != NULL) {
-        PBW__STORE(core->start + pbw__start_cell(core, p), v);
+        PBW__STORE(core->start + pbwl__start_cell(core, p), v);
     }
     return status;
 }
 
-/* Carries out a batch; on any status but PBW_OK the caller undoes it.  PBW__ANEW: rebuild instead. */
-static pbw_status pbw__batch_run(pbw_live *live, size_t most_effort)
+/* Carries out a batch; on any status but PBW_OK the caller undoes it.  PBWL__REBUILD: rebuild instead. */
+static pbw_status pbwl__batch_run(pbw_live *live, size_t most_effort)
 {
-    pbw__core *core = &live->core;
+    pbwl__core *core = &live->core;
     const double all = (double)(live->leaving_count + live->arriving_count + 1);
-    pbw__changing batch;
-    pbw_status status = pbw__live_sort(live, core->record, (size_t)live->dim + 1, live->leaving, live->leaving_count);
+    pbwl__changing batch;
+    pbw_status status = pbwl__sort(live, core->record, (size_t)live->dim + 1, live->leaving, live->leaving_count);
     size_t i;
     for (i = 0; i < live->arriving_count / 2; i++) { /* backwards: the slots freed last are taken first, and near */
         const pbw_index v = live->arriving[i];
         live->arriving[i] = live->arriving[live->arriving_count - 1 - i];
         live->arriving[live->arriving_count - 1 - i] = v;
     }
-    status = status == PBW_OK ? pbw__live_fit_grid(live, live->arriving, live->arriving_count) : status;
+    status = status == PBW_OK ? pbwl__fit_grid(live, live->arriving, live->arriving_count) : status;
     memset(&batch, 0, sizeof(batch));
     core->effort = 0;
     batch.arg = live;
     batch.most_effort = most_effort;
     batch.count = live->leaving_count;
-    batch.near = pbw__near_leaving;
-    batch.change = pbw__change_leaving;
+    batch.near = pbwl__near_leaving;
+    batch.change = pbwl__change_leaving;
     batch.end = (double)live->leaving_count / all;
-    status = status == PBW_OK ? pbw__batch_all(core, &batch, 0) : status;
-    core->covered_count = 0;
+    status = status == PBW_OK ? pbwl__batch_all(core, &batch, 0) : status;
+    core->next_hidden_count = 0;
     for (i = 0; i < core->hidden_count; i++) {
         if (core->incident[core->hidden[i]] == PBW_NONE) {
-            core->covered[core->covered_count] = core->hidden[i];
-            core->cover[core->covered_count++] = core->witness[i];
+            core->next_hidden[core->next_hidden_count] = core->hidden[i];
+            core->next_container[core->next_hidden_count++] = core->container[i];
         }
     }
-    pbw__start_table(core, pbw__batch_parts(core, live->arriving_count) > 1 ? core->vertex_count
+    pbwl__start_table(core, pbwl__batch_parts(core, live->arriving_count) > 1 ? core->vertex_count
                                                                             : live->arriving_count);
     batch.count = live->arriving_count;
-    batch.near = pbw__near_arriving;
-    batch.change = pbw__change_arriving;
+    batch.near = pbwl__near_arriving;
+    batch.change = pbwl__change_arriving;
     batch.slots = live->dim == 3 ? 9 : 3;            /* 6.8 and 2 on average; some tasks make more of the changes */
     batch.begin = batch.end;
     batch.end = 1.0;
-    status = status == PBW_OK ? pbw__batch_all(core, &batch, 0) : status;
-    return status == PBW_OK ? pbw__uncover(core) : status;
+    status = status == PBW_OK ? pbwl__batch_all(core, &batch, 0) : status;
+    return status == PBW_OK ? pbwl__settle_hidden(core) : status;
 }
 
-/* Saves what pbw__batch_undo needs besides edits and the journal. */
-static void pbw__batch_begin(pbw_live *live)
+/* Saves what pbwl__batch_undo needs besides edits and the journal. */
+static void pbwl__batch_begin(pbw_live *live)
 {
-    const pbw__core *core = &live->core;
+    const pbwl__core *core = &live->core;
     live->edit_count = 0;
-    live->past_vertices = core->vertex_count;
-    live->past_unused = core->unused_count;
-    live->past_placed = core->placed;
-    live->past_grid = core->grid;
-    live->past_height = core->kernel.exact_height;
+    live->saved_vertices = core->vertex_count;
+    live->saved_unused = core->unused_count;
+    live->saved_placed = core->placed;
+    live->saved_grid = core->grid;
+    live->saved_height = core->kernel.exact_height;
 }
 
-static void pbw__batch_undo(pbw_live *live)
+static void pbwl__batch_undo(pbw_live *live)
 {
-    pbw__core *core = &live->core;
-    core->grid = live->past_grid;
-    core->kernel.exact_height = live->past_height;
+    pbwl__core *core = &live->core;
+    core->grid = live->saved_grid;
+    core->kernel.exact_height = live->saved_height;
     while (live->edit_count > 0) {
-        const pbw__edit *edit = live->edit + --live->edit_count;
+        const pbwl__edit *edit = live->edit + --live->edit_count;
         if (edit->at != PBW_NONE) {
-            *pbw__live_entry(live, edit->table, edit->at) = edit->old;
+            *pbwl__entry(live, edit->table, edit->at) = edit->old;
         }
     }
-    pbw__journal_undo(core);
-    core->vertex_count = live->past_vertices;
-    while (core->unused_count < live->past_unused) {
-        core->incident[core->unused[core->unused_count++]] = PBW__GONE;
+    pbwl__journal_undo(core);
+    core->vertex_count = live->saved_vertices;
+    while (core->unused_count < live->saved_unused) {
+        core->incident[core->unused[core->unused_count++]] = PBWL__VERTEX_REMOVED;
     }
-    core->placed = live->past_placed;
+    core->placed = live->saved_placed;
 }
 
 /* Makes a batch of changes, all or nothing. */
-static pbw_status pbw__live_batch(pbw_live *live, size_t leave, size_t arrive, size_t most_effort,
-                                  pbw_changes *changes)
+static pbw_status pbwl__batch(pbw_live *live, size_t leave, size_t arrive, size_t most_effort,
+                              pbw_changes *changes)
 {
-    pbw__core *core = &live->core;
+    pbwl__core *core = &live->core;
     const int duplicates = core->vertex_count - core->unused_count != live->points;
-    pbw_status status = pbw__batch_reserve(live, leave + 2 * arrive, arrive > 0 || duplicates);
+    pbw_status status = pbwl__batch_reserve(live, leave + 2 * arrive, arrive > 0 || duplicates);
     if (status != PBW_OK) {
         return status;
     }
-    pbw__batch_begin(live);
+    pbwl__batch_begin(live);
     live->leaving_count = live->arriving_count = 0;
-    status = pbw__batch_plan(live);
-    status = status == PBW_OK ? pbw__batch_run(live, most_effort) : status;
+    status = pbwl__batch_plan(live);
+    status = status == PBW_OK ? pbwl__batch_run(live, most_effort) : status;
     if (status == PBW_OK && changes != NULL) {
-        status = pbw__batch_changes(live, changes);
+        status = pbwl__batch_changes(live, changes);
     }
     if (status != PBW_OK) {
-        pbw__batch_undo(live);
+        pbwl__batch_undo(live);
         return status;
     }
     memcpy(core->unused + core->unused_count, live->leaving, live->leaving_count * sizeof(pbw_index));
     core->unused_count += live->leaving_count;
     memcpy(core->unused + core->unused_count, live->joining, live->joining_count * sizeof(pbw_index));
     core->unused_count += live->joining_count;
-    pbw__swap_covers(core);
-    pbw__journal_clear(core);
+    pbwl__swap_hidden(core);
+    pbwl__journal_clear(core);
     return PBW_OK;
 }
 
@@ -4093,7 +4116,7 @@ static pbw_status pbw__live_batch(pbw_live *live, size_t leave, size_t arrive, s
    it, one walk per vertex that is inserted again does; a vertex that stays in its star meets no other vertex there.
    ------------------------------------------------------------------------------------------------------ */
 /* Exchanges the coordinates of a vertex with others. */
-PBW__INLINE void pbw__exchange(pbw__core *core, pbw_index v, double *other)
+PBW__INLINE void pbwl__exchange(pbwl__core *core, pbw_index v, double *other)
 {
     const size_t dim = (size_t)core->kernel.dim;
     double *record = core->record + v * (dim + 1);
@@ -4106,7 +4129,7 @@ PBW__INLINE void pbw__exchange(pbw__core *core, pbw_index v, double *other)
 }
 
 /* Exchanges the coordinates of those that move with the other ones; completes even if the call is cancelled. */
-static void pbw__exchange_share(void *arg, int part)
+static void pbwl__exchange_share(void *arg, int part)
 {
     pbw_live *live = (pbw_live *)arg;
     const int parts = pbw__tasks(live->core.kernel.context, live->leaving_count, 8192);
@@ -4115,60 +4138,60 @@ static void pbw__exchange_share(void *arg, int part)
     for (i = pbw__share(live->leaving_count, part, parts); i < end; i++) {
         const size_t soon = live->leaving[i + 16 < end ? i + 16 : i];
         PBW__PREFETCH_TO_WRITE(live->core.record + soon * (dim + 1));
-        pbw__exchange(&live->core, live->leaving[i], live->moved + i * dim);
+        pbwl__exchange(&live->core, live->leaving[i], live->moved + i * dim);
     }
 }
 
-static void pbw__live_exchange(pbw_live *live)
+static void pbwl__live_exchange(pbw_live *live)
 {
     pbw__context *context = live->core.kernel.context;
-    pbw__for(context, pbw__tasks(context, live->leaving_count, 8192), pbw__exchange_share, live);
+    pbw__for(context, pbw__tasks(context, live->leaving_count, 8192), pbwl__exchange_share, live);
 }
 
-/* Lists the vertices that move.  PBW__ANEW: there are other changes, or duplicates or hidden points matter. */
-static pbw_status pbw__live_list_moves(pbw_live *live, size_t count)
+/* Lists the vertices that move.  PBWL__REBUILD: there are other changes, or duplicates or hidden points matter. */
+static pbw_status pbwl__list_moves(pbw_live *live, size_t count)
 {
-    const pbw__core *core = &live->core;
+    const pbwl__core *core = &live->core;
     const size_t dim = (size_t)live->dim;
     size_t i;
     if (core->hidden_count > 0) {
-        return PBW__ANEW;
+        return PBWL__REBUILD;
     }
-    if (!PBW__LIVE_GROW(live, leaving, count) || !PBW__LIVE_GROW(live, moved, count * dim)) {
+    if (!PBWL__GROW(live, leaving, count) || !PBWL__GROW(live, moved, count * dim)) {
         return PBW_ERROR_MEMORY;
     }
     live->leaving_count = 0;
     for (i = 0; i < live->queue_count; i++) {
         const pbw_index id = live->queue[i], soon = live->queue[i + 16 < live->queue_count ? i + 16 : i];
-        const unsigned both = live->state[id] & (PBW__LEAVES | PBW__ARRIVES);
+        const unsigned both = live->state[id] & (PBWL__OLD_PLACE | PBWL__NEW_PLACE);
         PBW__PREFETCH(core->twin + soon);
         PBW__PREFETCH(core->vertex + soon);
-        PBW__PREFETCH(pbw__live_point(live, soon));
-        if (both == (PBW__LEAVES | PBW__ARRIVES) && core->twin[id] == id) {
-            memcpy(live->moved + live->leaving_count * dim, pbw__live_point(live, id), dim * sizeof(double));
+        PBW__PREFETCH(pbwl__point(live, soon));
+        if (both == (PBWL__OLD_PLACE | PBWL__NEW_PLACE) && core->twin[id] == id) {
+            memcpy(live->moved + live->leaving_count * dim, pbwl__point(live, id), dim * sizeof(double));
             live->leaving[live->leaving_count++] = core->vertex[id];
         } else if (both != 0) {
-            return PBW__ANEW;
+            return PBWL__REBUILD;
         }
     }
     return PBW_OK;
 }
 
-/* Moves the listed vertices in place, all or nothing.  PBW__ANEW: impossible in place. */
-static pbw_status pbw__live_in_place(pbw_live *live, pbw_changes *changes)
+/* Moves the listed vertices in place, all or nothing.  PBWL__REBUILD: impossible in place. */
+static pbw_status pbwl__in_place(pbw_live *live, pbw_changes *changes)
 {
-    pbw__core *core = &live->core;
+    pbwl__core *core = &live->core;
     pbw_status status;
-    pbw__batch_begin(live);
-    pbw__live_exchange(live);
-    status = pbw__live_fit_grid(live, live->leaving, live->leaving_count);
-    status = status == PBW_OK ? pbw__verify(core, core->simplex_count / 2 + 64) : status;
+    pbwl__batch_begin(live);
+    pbwl__live_exchange(live);
+    status = pbwl__fit_grid(live, live->leaving, live->leaving_count);
+    status = status == PBW_OK ? pbwl__verify(core, core->simplex_count / 2 + 64) : status;
     if (status == PBW_OK && changes != NULL) {
-        status = pbw__batch_changes(live, changes);
+        status = pbwl__batch_changes(live, changes);
     }
     if (status != PBW_OK) {
-        pbw__live_exchange(live);
-        pbw__batch_undo(live);
+        pbwl__live_exchange(live);
+        pbwl__batch_undo(live);
         return status;
     }
     PBW__RELEASE(&core->kernel.context->memory, core, place);        /* outdated */
@@ -4178,17 +4201,17 @@ static pbw_status pbw__live_in_place(pbw_live *live, pbw_changes *changes)
 }
 
 /* ---- one by one */
-/* Collects the star of v in scratch.cavity, without marks.  PBW__UNSUITED: it has a ghost.  PBW__DEFERRED: not
+/* Collects the star of v in scratch.cavity, without marks.  PBWL__UNSUITED: it has a ghost.  PBW__DEFERRED: not
    all of its vertices are ours. */
-static pbw_status pbw__shift_star(pbw__core *core, pbw_index v)
+static pbw_status pbwl__shift_star(pbwl__core *core, pbw_index v)
 {
     pbw__kernel *kernel = &core->kernel;
     const size_t dim = (size_t)kernel->dim;
-    pbw_status status = dim == 3 ? pbw__collect_star(core, v, 3) : pbw__collect_star(core, v, 2);
+    pbw_status status = dim == 3 ? pbwl__collect_star(core, v, 3) : pbwl__collect_star(core, v, 2);
     const size_t count = kernel->scratch.cavity_count;
     size_t i;
     for (i = 0; i < count && status == PBW_OK; i++) {
-        status = kernel->corner[4 * (size_t)kernel->scratch.cavity[i] + dim] == PBW__GHOST ? PBW__UNSUITED : PBW_OK;
+        status = kernel->corner[4 * (size_t)kernel->scratch.cavity[i] + dim] == PBW__GHOST ? PBWL__UNSUITED : PBW_OK;
     }
     (void)pbw__leave_cavity(kernel, count);
     kernel->scratch.cavity_count = count;
@@ -4196,32 +4219,32 @@ static pbw_status pbw__shift_star(pbw__core *core, pbw_index v)
 }
 
 /* Gives the i-th vertex that moves its new place, or the old one back. */
-static void pbw__shift_exchange(pbw_live *live, size_t i)
+static void pbwl__shift_exchange(pbw_live *live, size_t i)
 {
-    pbw__exchange(&live->core, live->leaving[i], live->moved + live->arriving[i] * (size_t)live->dim);
+    pbwl__exchange(&live->core, live->leaving[i], live->moved + live->arriving[i] * (size_t)live->dim);
     live->head[i] ^= 1;
 }
 
-/* Gives a vertex its new place if its star stays positive; then flips.  PBW__UNSUITED: the star does not stay
+/* Gives a vertex its new place if its star stays positive; then flips.  PBWL__UNSUITED: the star does not stay
    positive, or in space is not Delaunay. */
-static pbw_status pbw__shift_in_place(pbw_live *live, pbw__core *core, size_t at)
+static pbw_status pbwl__shift_in_place(pbw_live *live, pbwl__core *core, size_t at)
 {
     pbw__kernel *kernel = &core->kernel;
     const int dim = kernel->dim;
     size_t count = 0, i;
     unsigned k;
-    pbw_status status = pbw__shift_star(core, live->leaving[at]);
+    pbw_status status = pbwl__shift_star(core, live->leaving[at]);
     core->effort += kernel->scratch.cavity_count;
     if (status != PBW_OK) {
         return status;
     }
-    pbw__shift_exchange(live, at);
+    pbwl__shift_exchange(live, at);
     for (i = 0; i < kernel->scratch.cavity_count && status == PBW_OK; i++) {
         const size_t t = kernel->scratch.cavity[i];
-        const unsigned faults = dim == 3 ? pbw__slot_faults(core, t, 1, 3) : pbw__slot_faults(core, t, 1, 2);
-        if (faults == PBW__INVERTED || (faults != 0 && dim == 3)) {
-            status = PBW__UNSUITED;
-        } else if (faults != 0 && !PBW__CORE_GROW(core, edge, count + 3)) {
+        const unsigned faults = dim == 3 ? pbwl__slot_faults(core, t, 1, 3) : pbwl__slot_faults(core, t, 1, 2);
+        if (faults == PBWL__INVERTED || (faults != 0 && dim == 3)) {
+            status = PBWL__UNSUITED;
+        } else if (faults != 0 && !PBWL__CORE_GROW(core, edge, count + 3)) {
             status = PBW_ERROR_MEMORY;
         }
         for (k = 0; k < 3 && status == PBW_OK && faults != 0; k++) {
@@ -4229,200 +4252,201 @@ static pbw_status pbw__shift_in_place(pbw_live *live, pbw__core *core, size_t at
             count += faults >> k & 1;
         }
     }
-    if (status == PBW__UNSUITED) {
-        pbw__shift_exchange(live, at);
+    if (status == PBWL__UNSUITED) {
+        pbwl__shift_exchange(live, at);
     }
-    return status != PBW_OK || count == 0 ? status : pbw__flip_all(core, count, live->core.past_simplices);
+    return status != PBW_OK || count == 0 ? status : pbwl__flip_all(core, count, live->core.saved_simplices);
 }
 
-/* Walks to where v, which is in no simplex, is to be inserted.  PBW__ANEW: another vertex is there; it is a corner of
-   each simplex that contains the place. */
-static pbw_status pbw__shift_witness(pbw__core *core, pbw_index v, pbw_index *start)
+/* Walks to where v, which is in no simplex, is to be inserted.  PBWL__REBUILD: another vertex is there; it is a
+   corner of each simplex that contains the place. */
+static pbw_status pbwl__shift_container(pbwl__core *core, pbw_index v, pbw_index *start)
 {
-    const pbw_status status = pbw__find_witness(core, start, v);
+    const pbw_status status = pbwl__locate_vertex(core, start, v);
     const pbw_index *corner = core->kernel.corner + 4 * (size_t)*start;
-    const double *x = pbw__core_record(core, v);
+    const double *x = pbwl__core_record(core, v);
     const int dim = core->kernel.dim;
     int k, taken = 0;
     for (k = 0; k <= dim && status == PBW_OK; k++) {
-        taken |= corner[k] != PBW__GHOST && pbw__same_place(pbw__core_record(core, corner[k]), x, dim);
+        taken |= corner[k] != PBW__GHOST && pbw__same_place(pbwl__core_record(core, corner[k]), x, dim);
     }
-    return taken ? PBW__ANEW : status;
+    return taken ? PBWL__REBUILD : status;
 }
 
 /* Removes the i-th vertex and inserts it at its new place.  PBW__DEFERRED is possible after the removal, too: the
    next call then inserts it. */
-static pbw_status pbw__change_again(void *arg, pbw__core *core, size_t i, pbw_index near)
+static pbw_status pbwl__change_again(void *arg, pbwl__core *core, size_t i, pbw_index near)
 {
     pbw_live *live = (pbw_live *)arg;
     const pbw_index v = live->leaving[i];
     pbw_index start;
     pbw_status status;
     (void)near;
-    if (!pbw__hold(&core->kernel, v)) {
+    if (!pbwl__hold(&core->kernel, v)) {
         return PBW__DEFERRED;
     }
-    if (core->incident[v] != PBW__GONE) {
-        status = pbw__remove_vertex(core, v);
+    if (core->incident[v] != PBWL__VERTEX_REMOVED) {
+        status = pbwl__remove_vertex(core, v);
         if (status != PBW_OK) {
             return status;
         }
-        core->local[v] = core->rim_vertex[core->rim_vertices - 1];
+        core->local[v] = core->link_vertex[core->link_vertices - 1];
         core->reinserted++;
-        pbw__shift_exchange(live, i);
+        pbwl__shift_exchange(live, i);
     }
-    near = pbw__nearer_start(core, core->local[v], 0, pbw__core_record(core, v));
+    near = pbwl__nearer_start(core, core->local[v], 0, pbwl__core_record(core, v));
     if (near == 0 && core->kernel.own.owner != NULL) {
         return PBW__DEFERRED;
     }
-    start = pbw__start_near(core, near != 0 ? core->incident[near] : core->kernel.last);
-    status = core->place == NULL ? pbw__shift_witness(core, v, &start) : PBW_OK;
-    return status == PBW_OK ? pbw__insert_vertex(core, v, start) : status;
+    start = pbwl__start_near(core, near != 0 ? core->incident[near] : core->kernel.last);
+    status = core->place == NULL ? pbwl__shift_container(core, v, &start) : PBW_OK;
+    return status == PBW_OK ? pbwl__insert_vertex(core, v, start) : status;
 }
 
 /* Moves the i-th vertex.  In the plane, PBW__DEFERRED if it cannot stay in its star: flips may be due around it. */
-static pbw_status pbw__change_place(void *arg, pbw__core *core, size_t i, pbw_index near)
+static pbw_status pbwl__change_place(void *arg, pbwl__core *core, size_t i, pbw_index near)
 {
     pbw_live *live = (pbw_live *)arg;
     const pbw_index v = live->leaving[i];
-    pbw_status status = pbw__hold(&core->kernel, v) ? PBW_OK : PBW__DEFERRED;
-    if (status == PBW_OK && core->incident[v] != PBW__GONE) {
-        status = pbw__shift_in_place(live, core, i);
+    pbw_status status = pbwl__hold(&core->kernel, v) ? PBW_OK : PBW__DEFERRED;
+    if (status == PBW_OK && core->incident[v] != PBWL__VERTEX_REMOVED) {
+        status = pbwl__shift_in_place(live, core, i);
     } else if (status == PBW_OK) {
-        status = PBW__UNSUITED;
+        status = PBWL__UNSUITED;
     }
-    return status != PBW__UNSUITED ? status : live->dim == 2 ? PBW__DEFERRED : pbw__change_again(live, core, i, near);
+    return status != PBWL__UNSUITED ? status
+         : live->dim == 2 ? PBW__DEFERRED : pbwl__change_again(live, core, i, near);
 }
 
-/* Enters the new places into the table.  PBW__ANEW: a vertex is at one of them. */
-static pbw_status pbw__shift_enter(void *arg, size_t from, size_t to)
+/* Enters the new places into the table.  PBWL__REBUILD: a vertex is at one of them. */
+static pbw_status pbwl__shift_enter(void *arg, size_t from, size_t to)
 {
     pbw_live *live = (pbw_live *)arg;
-    pbw__core *core = &live->core;
+    pbwl__core *core = &live->core;
     const size_t dim = (size_t)live->dim;
     size_t i;
     for (i = from; i < to; i++) {
         const double *x = live->moved + i * dim;
-        pbw__place_prefetch(core, live->moved + (i + 16 < to ? i + 16 : i) * dim, 0);
-        pbw__place_prefetch(core, live->moved + (i + 8 < to ? i + 8 : i) * dim, 1);
-        live->edit[i].at = pbw__place_enter(core, x, live->leaving[i]);
+        pbwl__place_prefetch(core, live->moved + (i + 16 < to ? i + 16 : i) * dim, 0);
+        pbwl__place_prefetch(core, live->moved + (i + 8 < to ? i + 8 : i) * dim, 1);
+        live->edit[i].at = pbwl__place_enter(core, x, live->leaving[i]);
         if (live->edit[i].at == PBW_NONE) {
-            return PBW__ANEW;
+            return PBWL__REBUILD;
         }
     }
     return PBW_OK;
 }
 
-/* With the new places in the records, tests that no two vertices are at one place.  PBW__ANEW: two are. */
-static pbw_status pbw__shift_unique(void *arg, size_t from, size_t to)
+/* With the new places in the records, tests that no two vertices are at one place.  PBWL__REBUILD: two are. */
+static pbw_status pbwl__shift_unique(void *arg, size_t from, size_t to)
 {
     const pbw_live *live = (const pbw_live *)arg;
-    const pbw__core *core = &live->core;
+    const pbwl__core *core = &live->core;
     for (; from < to; from++) {
-        const double *x = pbw__core_record(core, live->leaving[from]);
-        PBW__PREFETCH(pbw__core_record(core, live->leaving[from + 8 < to ? from + 8 : from]));
-        if (core->place[pbw__place_find(core, x)] != live->leaving[from]) {
-            return PBW__ANEW;
+        const double *x = pbwl__core_record(core, live->leaving[from]);
+        PBW__PREFETCH(pbwl__core_record(core, live->leaving[from + 8 < to ? from + 8 : from]));
+        if (core->place[pbwl__place_find(core, x)] != live->leaving[from]) {
+            return PBWL__REBUILD;
         }
     }
     return PBW_OK;
 }
 
-/* Enters all new places into the table, if there is one.  PBW__ANEW: a vertex is, or was, at one of them. */
-static pbw_status pbw__shift_places(pbw_live *live)
+/* Enters all new places into the table, if there is one.  PBWL__REBUILD: a vertex is, or was, at one of them. */
+static pbw_status pbwl__shift_places(pbw_live *live)
 {
-    pbw__core *core = &live->core;
+    pbwl__core *core = &live->core;
     pbw__context *context = core->kernel.context;
     const size_t count = live->leaving_count;
-    const unsigned table = PBW__EDIT_PLACE;
+    const unsigned table = PBWL__EDIT_PLACE;
     const int placed = core->place != NULL;
     pbw_status status = PBW_OK;
-    if (placed && !pbw__live_edits(live, count, &table, 1)) {
+    if (placed && !pbwl__edits(live, count, &table, 1)) {
         return PBW_ERROR_MEMORY;
     }
     if (placed) {
         core->placed += count;
-        status = pbw__for_range(context, count, PBW__SMALLER(2048), 0.0, pbw__shift_enter, live);
+        status = pbw__for_range(context, count, PBW__SMALLER(2048), 0.0, pbwl__shift_enter, live);
     }
-    pbw__live_exchange(live);
-    status = status == PBW_OK ? pbw__live_fit_grid(live, live->leaving, count) : status;
+    pbwl__live_exchange(live);
+    status = status == PBW_OK ? pbwl__fit_grid(live, live->leaving, count) : status;
     if (status == PBW_OK && placed) {
-        status = pbw__for_range(context, count, PBW__SMALLER(2048), 0.0, pbw__shift_unique, live);
+        status = pbw__for_range(context, count, PBW__SMALLER(2048), 0.0, pbwl__shift_unique, live);
     }
-    pbw__live_exchange(live);
+    pbwl__live_exchange(live);
     return status;
 }
 
 /* Moves vertices one by one along the curve. */
-static pbw_status pbw__shift_all(pbw_live *live, size_t most_effort)
+static pbw_status pbwl__shift_all(pbw_live *live, size_t most_effort)
 {
-    pbw__core *core = &live->core;
+    pbwl__core *core = &live->core;
     const size_t count = live->leaving_count;
-    pbw__changing batch;
+    pbwl__changing batch;
     pbw_status status;
     size_t i;
     for (i = 0; i < count; i++) {
         core->local[live->leaving[i]] = (pbw_index)i;
     }
-    status = pbw__live_sort(live, core->record, (size_t)live->dim + 1, live->leaving, count);
+    status = pbwl__sort(live, core->record, (size_t)live->dim + 1, live->leaving, count);
     for (i = 0; i < count; i++) {
         live->arriving[i] = core->local[live->leaving[i]];
     }
     memset(&batch, 0, sizeof(batch));
     batch.arg = live;
-    batch.near = pbw__near_leaving;
-    batch.change = pbw__change_place;
+    batch.near = pbwl__near_leaving;
+    batch.change = pbwl__change_place;
     batch.count = count;
     batch.slots = live->dim == 3 ? 2 : 0;            /* a removal frees slots, perhaps of another task */
     batch.most_effort = most_effort;
     batch.end = 0.9;
     core->effort = core->reinserted = core->open_count = 0;
-    status = status == PBW_OK ? pbw__batch_all(core, &batch, 0) : status;
+    status = status == PBW_OK ? pbwl__batch_all(core, &batch, 0) : status;
     if (status == PBW_OK && live->dim == 2) {
-        status = PBW__CORE_GROW(core, edge, core->open_count) ? PBW_OK : PBW_ERROR_MEMORY;
+        status = PBWL__CORE_GROW(core, edge, core->open_count) ? PBW_OK : PBW_ERROR_MEMORY;
         if (status == PBW_OK && core->open_count > 0) {
             memcpy(core->edge, core->open, core->open_count * sizeof(pbw__link));
-            status = pbw__flip_all(core, core->open_count, core->past_simplices);
+            status = pbwl__flip_all(core, core->open_count, core->saved_simplices);
         }
-        batch.change = pbw__change_again;
+        batch.change = pbwl__change_again;
         batch.begin = 0.9;
         batch.end = 1.0;
-        status = status == PBW_OK ? pbw__batch_all(core, &batch, 1) : status;
+        status = status == PBW_OK ? pbwl__batch_all(core, &batch, 1) : status;
     }
     return status;
 }
 
-/* Moves a few of the vertices one by one, all or nothing.  PBW__ANEW: impossible one by one. */
-static pbw_status pbw__live_shift(pbw_live *live, size_t count, size_t most_effort, pbw_changes *changes,
-                                  pbw_way *way)
+/* Moves a few of the vertices one by one, all or nothing.  PBWL__REBUILD: impossible one by one. */
+static pbw_status pbwl__shift(pbw_live *live, size_t count, size_t most_effort, pbw_changes *changes,
+                              pbw_way *way)
 {
-    pbw__core *core = &live->core;
+    pbwl__core *core = &live->core;
     const int placed = core->place != NULL;
     size_t i;
-    pbw_status status = core->kernel.weighted ? PBW__ANEW : pbw__live_list_moves(live, count);
-    status = status == PBW_OK ? pbw__batch_reserve(live, count, placed) : status;
+    pbw_status status = core->kernel.weighted ? PBWL__REBUILD : pbwl__list_moves(live, count);
+    status = status == PBW_OK ? pbwl__batch_reserve(live, count, placed) : status;
     if (status != PBW_OK) {
         return status;
     }
-    pbw__batch_begin(live);
+    pbwl__batch_begin(live);
     memset(live->head, 0, count * sizeof(pbw_index));
     core->reinserted = 0;
-    status = pbw__shift_places(live);
-    status = status == PBW_OK ? pbw__shift_all(live, most_effort) : status;
-    *way = core->reinserted > 0 ? PBW_WAY_BATCH : pbw__journal_any(core) ? PBW_WAY_FLIPS : PBW_WAY_NOTHING;
+    status = pbwl__shift_places(live);
+    status = status == PBW_OK ? pbwl__shift_all(live, most_effort) : status;
+    *way = core->reinserted > 0 ? PBW_WAY_BATCH : pbwl__journal_any(core) ? PBW_WAY_FLIPS : PBW_WAY_NOTHING;
     if (status == PBW_OK && changes != NULL) {
-        status = pbw__batch_changes(live, changes);
+        status = pbwl__batch_changes(live, changes);
     }
     if (status != PBW_OK) {
         for (i = 0; i < count; i++) {
             if (live->head[i] != 0) {
-                pbw__shift_exchange(live, i);
+                pbwl__shift_exchange(live, i);
             }
         }
-        pbw__batch_undo(live);
+        pbwl__batch_undo(live);
         return status;
     }
-    pbw__journal_clear(core);
+    pbwl__journal_clear(core);
     return PBW_OK;
 }
 
@@ -4433,9 +4457,9 @@ static pbw_status pbw__live_shift(pbw_live *live, size_t count, size_t most_effo
    is that of pbw_live_create, with all points of a mesh.
    ------------------------------------------------------------------------------------------------------ */
 /* Replaces the core by another one. */
-static void pbw__live_replace(pbw_live *live, pbw__context *context, const pbw__core *core)
+static void pbwl__replace(pbw_live *live, pbw__context *context, const pbwl__core *core)
 {
-    pbw__core_free(context, &live->core);
+    pbwl__core_free(context, &live->core);
     live->core = *core;
     if (core->kernel.journal != NULL) {
         live->core.kernel.store = &live->core.store;
@@ -4445,44 +4469,44 @@ static void pbw__live_replace(pbw_live *live, pbw__context *context, const pbw__
 }
 
 /* Triangulates the points that stay into another core, which replaces this one. */
-static pbw_status pbw__live_rebuild(pbw_live *live, pbw__context *context, pbw_changes *changes)
+static pbw_status pbwl__rebuild(pbw_live *live, pbw__context *context, pbw_changes *changes)
 {
-    pbw__stand stand;
-    pbw__core core;
+    pbwl__gathered gathered;
+    pbwl__core core;
     pbw_status status = PBW_ERROR_MEMORY;
     size_t i;
     memset(&core, 0, sizeof(core));
     core.kernel.context = context;
-    if (pbw__stand_create(&context->memory, &stand, live->count, live->dim)) {
+    if (pbwl__gathered_create(&context->memory, &gathered, live->count, live->dim)) {
         for (i = 0; i < live->count; i++) {
-            if ((live->state[i] & PBW__STAYS) != 0) {
-                pbw__stand_add(&stand, (pbw_index)i, pbw__live_point(live, i), live->weight[i]);
+            if ((live->state[i] & PBWL__KEPT) != 0) {
+                pbwl__gathered_add(&gathered, (pbw_index)i, pbwl__point(live, i), live->weight[i]);
             }
         }
-        status = pbw__core_build(context, &stand, live->weighted, live->count, &core);
+        status = pbwl__core_build(context, &gathered, live->weighted, live->count, &core);
     }
-    pbw__stand_free(&context->memory, &stand);
+    pbwl__gathered_free(&context->memory, &gathered);
     if ((status == PBW_OK || status == PBW_DEGENERATE) && changes != NULL) {
-        const pbw_status listed = pbw__rebuild_changes(live, &core, changes);
+        const pbw_status listed = pbwl__rebuild_changes(live, &core, changes);
         status = listed != PBW_OK ? listed : status;
     }
     if (status == PBW_OK || status == PBW_DEGENERATE) {
-        pbw__live_replace(live, context, &core);
+        pbwl__replace(live, context, &core);
     } else {
-        pbw__core_free(context, &core);
+        pbwl__core_free(context, &core);
     }
     return status;
 }
 
 /* Empties the queue after its changes have been carried out. */
-static void pbw__live_settle(pbw_live *live)
+static void pbwl__settle(pbw_live *live)
 {
     size_t i, k;
     for (i = 0; i < live->queue_count; i++) {
         const pbw_index id = live->queue[i];
-        const int lived = (live->state[id] & PBW__LIVES) != 0, stays = (live->state[id] & PBW__STAYS) != 0;
+        const int lived = (live->state[id] & PBWL__COMMITTED) != 0, stays = (live->state[id] & PBWL__KEPT) != 0;
         live->points += (size_t)stays - (size_t)lived;
-        live->state[id] = stays ? PBW__STAYS | PBW__LIVES : 0;
+        live->state[id] = stays ? PBWL__KEPT | PBWL__COMMITTED : 0;
         if (!stays) {
             live->spare[live->spare_count++] = id;
             for (k = 0; k < (size_t)live->dim; k++) {
@@ -4493,23 +4517,23 @@ static void pbw__live_settle(pbw_live *live)
     }
     live->queue_count = 0;
     live->numbers = live->count;
-    live->weighted_past = live->weighted;
+    live->weighted_before = live->weighted;
 }
 
 /* What changes cost, in points of a rebuild.  Measured with bench/live.cpp, these limits at 1e9 and at -1, on one
    thread, 5 to 20 % of 200,000 uniform points: in the plane remove 0.82 us, insert 1.05, move 0.53, rebuild 0.134 us
-   per point; in space 5.3, 3.0, 6.5 and 0.8.  A rebuild is chosen if changes cost more than PBW__REBUILD_AT rebuilds.
-   Verifying all costs 0.21 rebuilds in the plane and 0.14 in space, less if it soon fails: no more than moving one
-   point in ten. */
-#ifndef PBW__REBUILD_AT
-#define PBW__REBUILD_AT(dim) 1.0
+   per point; in space 5.3, 3.0, 6.5 and 0.8.  A rebuild is chosen if changes cost more than PBWL__REBUILD_AT
+   rebuilds.  Verifying all costs 0.21 rebuilds in the plane and 0.14 in space, less if it soon fails: no more than
+   moving one point in ten. */
+#ifndef PBWL__REBUILD_AT
+#define PBWL__REBUILD_AT(dim) 1.0
 #endif
-#ifndef PBW__VERIFY_AT
-#define PBW__VERIFY_AT(dim) 0.1
+#ifndef PBWL__VERIFY_AT
+#define PBWL__VERIFY_AT(dim) 0.1
 #endif
-#define PBW__EFFORT 128                              /* so many tests for an apex take as long as an insertion */
+#define PBWL__EFFORT 128                             /* so many tests for an apex take as long as an insertion */
 
-static double pbw__change_cost(int dim, size_t leave, size_t arrive, int near)
+static double pbwl__change_cost(int dim, size_t leave, size_t arrive, int near)
 {
     return near ? (dim == 3 ? 8.0 : 4.0) * (double)leave
          : 6.0 * (double)leave + (dim == 3 ? 3.8 : 8.0) * (double)arrive;
@@ -4517,20 +4541,20 @@ static double pbw__change_cost(int dim, size_t leave, size_t arrive, int near)
 
 /* Returns 1 if most of a sample of the points that move do so by less than four edges.  Others are better removed and
    inserted, with walks that start near their new places. */
-static int pbw__live_near(const pbw_live *live)
+static int pbwl__near(const pbw_live *live)
 {
-    const pbw__core *core = &live->core;
+    const pbwl__core *core = &live->core;
     const size_t dim = (size_t)live->dim, step = live->queue_count / 64 + 1;
     size_t i, k, seen = 0, far = 0;
     for (i = 0; i < live->queue_count; i += step) {
         const pbw_index id = live->queue[i];
-        const int both = (live->state[id] & PBW__LIVES) != 0 && (live->state[id] & PBW__STAYS) != 0;
+        const int both = (live->state[id] & PBWL__COMMITTED) != 0 && (live->state[id] & PBWL__KEPT) != 0;
         const pbw_index v = both ? core->vertex[id] : PBW__GHOST;              /* others may have no vertex yet */
-        if (both && core->twin[id] == id && core->incident[v] < PBW__GONE
-            && !pbw__same_place(pbw__live_point(live, id), pbw__core_record(core, v), live->dim)) {
+        if (both && core->twin[id] == id && core->incident[v] < PBWL__VERTEX_REMOVED
+            && !pbw__same_place(pbwl__point(live, id), pbwl__core_record(core, v), live->dim)) {
             const pbw_index *corner = core->kernel.corner + 4 * (size_t)core->incident[v];
-            const double *x = pbw__core_record(core, v), *y = pbw__live_point(live, id);
-            const double *z = pbw__core_record(core, corner[corner[0] == v]);
+            const double *x = pbwl__core_record(core, v), *y = pbwl__point(live, id);
+            const double *z = pbwl__core_record(core, corner[corner[0] == v]);
             double way = 0, edge = 0;
             for (k = 0; k < dim; k++) {
                 way += (y[k] - x[k]) * (y[k] - x[k]);
@@ -4544,7 +4568,7 @@ static int pbw__live_near(const pbw_live *live)
 }
 
 /* Lists the vertices of a range.  Counts those that move, and those in the queue that live and stay. */
-PBW__INLINE void pbw__list_all_of(pbw__classes *classes, size_t from, size_t to, int dim)
+PBW__INLINE void pbwl__list_all_of(pbwl__classes *classes, size_t from, size_t to, int dim)
 {
     pbw_live *live = classes->live;
     const pbw_index *name = live->core.name + 1;
@@ -4557,107 +4581,107 @@ PBW__INLINE void pbw__list_all_of(pbw__classes *classes, size_t from, size_t to,
         PBW__PREFETCH(live->state + soon);
         memcpy(x, live->point + id * size, size * sizeof(double));
         moves += !pbw__same_place(x, live->core.record + (i + 1) * width, dim);
-        remain += live->state[id] == (PBW__LIVES | PBW__STAYS | PBW__QUEUED);
+        remain += live->state[id] == (PBWL__COMMITTED | PBWL__KEPT | PBWL__QUEUED);
         live->leaving[i] = (pbw_index)(i + 1);
     }
     (void)PBW__ADD(&classes->leave, moves);
     (void)PBW__ADD(&classes->arrive, remain);
 }
 
-static pbw_status pbw__list_all_range(void *arg, size_t from, size_t to)
+static pbw_status pbwl__list_all_range(void *arg, size_t from, size_t to)
 {
-    pbw__classes *classes = (pbw__classes *)arg;
-    PBW__BY_DIM(classes->live->dim, pbw__list_all_of, classes, from, to);
+    pbwl__classes *classes = (pbwl__classes *)arg;
+    PBW__BY_DIM(classes->live->dim, pbwl__list_all_of, classes, from, to);
     return PBW_OK;
 }
 
 /* Lists all vertices in the order of their records, not of the queue, if all points are queued only to move and
-   enough of them do.  PBW__ANEW if not. */
-static pbw_status pbw__live_list_all(pbw_live *live)
+   enough of them do.  PBWL__REBUILD if not. */
+static pbw_status pbwl__list_all(pbw_live *live)
 {
-    const pbw__core *core = &live->core;
+    const pbwl__core *core = &live->core;
     const size_t count = core->vertex_count;
-    pbw__classes classes = { live, 0, 0 };
+    pbwl__classes classes = { live, 0, 0 };
     pbw_status status;
     if (live->queue_count != count || live->points != count || core->unused_count > 0 || core->hidden_count > 0
-        || core->simplex_count == 0 || !pbw__live_near(live)) {
-        return PBW__ANEW;
+        || core->simplex_count == 0 || !pbwl__near(live)) {
+        return PBWL__REBUILD;
     }
-    if (!PBW__LIVE_GROW(live, leaving, count) || !PBW__LIVE_GROW(live, moved, count * (size_t)live->dim)) {
+    if (!PBWL__GROW(live, leaving, count) || !PBWL__GROW(live, moved, count * (size_t)live->dim)) {
         return PBW_ERROR_MEMORY;
     }
-    status = pbw__for_range(core->kernel.context, count, 8192, 0.0, pbw__list_all_range, &classes);
+    status = pbw__for_range(core->kernel.context, count, 8192, 0.0, pbwl__list_all_range, &classes);
     live->leaving_count = count;
     return status != PBW_OK ? status
          : classes.arrive < count || classes.leave == 0
-           || (double)classes.leave < PBW__VERIFY_AT(live->dim) * (double)count ? PBW__ANEW : PBW_OK;
+           || (double)classes.leave < PBWL__VERIFY_AT(live->dim) * (double)count ? PBWL__REBUILD : PBW_OK;
 }
 
 /* Tries to move in place.  listed: the status of listing those that move. */
-static pbw_status pbw__live_try_moves(pbw_live *live, pbw_status listed, pbw_changes *changes, pbw_way *way)
+static pbw_status pbwl__try_moves(pbw_live *live, pbw_status listed, pbw_changes *changes, pbw_way *way)
 {
     const pbw_status status = listed != PBW_OK ? listed
                             : pbw__enter_stage(live->core.kernel.context, PBW_STAGE_WORK) ? PBW_CANCELLED
-                            : pbw__live_in_place(live, changes);
+                            : pbwl__in_place(live, changes);
     if (status == PBW_OK) {
-        *way = pbw__journal_any(&live->core) ? PBW_WAY_FLIPS : PBW_WAY_NOTHING;
-        pbw__journal_clear(&live->core);
-    } else if (status == PBW__ANEW) {
-        pbw__changes_release(&live->core.kernel.context->memory, changes);
+        *way = pbwl__journal_any(&live->core) ? PBW_WAY_FLIPS : PBW_WAY_NOTHING;
+        pbwl__journal_clear(&live->core);
+    } else if (status == PBWL__REBUILD) {
+        pbwl__changes_release(&live->core.kernel.context->memory, changes);
     }
     return status;
 }
 
 /* Chooses a way and carries out the changes.  in_place: 0 if moving in place is known to fail. */
-static pbw_status pbw__live_choose(pbw_live *live, pbw__context *context, int in_place, pbw_changes *changes,
-                                   pbw_way *way)
+static pbw_status pbwl__choose(pbw_live *live, pbw__context *context, int in_place, pbw_changes *changes,
+                               pbw_way *way)
 {
     const double points = (double)live->points;
-    const size_t most = PBW__EFFORT * (live->points + 100);
-    pbw__classes classes = { live, 0, 0 };
+    const size_t most = PBWL__EFFORT * (live->points + 100);
+    pbwl__classes classes = { live, 0, 0 };
     size_t leave, arrive;
     int near;
-    pbw_status status = pbw__for_range(context, live->queue_count, 8192, 0.0, pbw__live_classify_range, &classes);
+    pbw_status status = pbw__for_range(context, live->queue_count, 8192, 0.0, pbwl__classify_range, &classes);
     if (status != PBW_OK) {
         return status;
     }
-    status = PBW__ANEW;
+    status = PBWL__REBUILD;
     leave = classes.leave;
     arrive = classes.arrive;
     if (leave + arrive == 0) {
         return live->core.simplex_count > 0 ? PBW_OK : PBW_DEGENERATE;
     }
-    near = live->core.simplex_count > 0 && leave == arrive && pbw__live_near(live);
-    if (near && in_place && (double)leave >= PBW__VERIFY_AT(live->dim) * points) {
-        status = pbw__live_try_moves(live, pbw__live_list_moves(live, leave), changes, way);
+    near = live->core.simplex_count > 0 && leave == arrive && pbwl__near(live);
+    if (near && in_place && (double)leave >= PBWL__VERIFY_AT(live->dim) * points) {
+        status = pbwl__try_moves(live, pbwl__list_moves(live, leave), changes, way);
     }
-    if (status == PBW__ANEW && live->core.simplex_count > 0 && live->weighted == live->core.kernel.weighted
-        && pbw__change_cost(live->dim, leave, arrive, near && !live->weighted)
-           <= PBW__REBUILD_AT(live->dim) * points) {
+    if (status == PBWL__REBUILD && live->core.simplex_count > 0 && live->weighted == live->core.kernel.weighted
+        && pbwl__change_cost(live->dim, leave, arrive, near && !live->weighted)
+           <= PBWL__REBUILD_AT(live->dim) * points) {
         if (pbw__enter_stage(context, PBW_STAGE_WORK)) {
             return PBW_CANCELLED;
         }
-        status = !near ? PBW__ANEW : pbw__live_shift(live, leave, most, changes, way);
-        if (status == PBW__ANEW) {
-            pbw__changes_release(&context->memory, changes);
-            status = pbw__live_batch(live, leave, arrive, most, changes);
+        status = !near ? PBWL__REBUILD : pbwl__shift(live, leave, most, changes, way);
+        if (status == PBWL__REBUILD) {
+            pbwl__changes_release(&context->memory, changes);
+            status = pbwl__batch(live, leave, arrive, most, changes);
             *way = PBW_WAY_BATCH;
         }
     }
-    if (status == PBW__ANEW) {
-        pbw__changes_release(&context->memory, changes);
-        status = pbw__live_rebuild(live, context, changes);
+    if (status == PBWL__REBUILD) {
+        pbwl__changes_release(&context->memory, changes);
+        status = pbwl__rebuild(live, context, changes);
         *way = PBW_WAY_REBUILD;
     }
     return status;
 }
 
-static pbw_status pbw__live_go(pbw_live *live, pbw__context *context, pbw_changes *changes)
+static pbw_status pbwl__go(pbw_live *live, pbw__context *context, pbw_changes *changes)
 {
     pbw_way way = PBW_WAY_NOTHING;
-    const pbw_status listed = pbw__live_list_all(live);
-    pbw_status status = listed == PBW__ANEW ? PBW__ANEW : pbw__live_try_moves(live, listed, changes, &way);
-    status = status == PBW__ANEW ? pbw__live_choose(live, context, listed == PBW__ANEW, changes, &way) : status;
+    const pbw_status listed = pbwl__list_all(live);
+    pbw_status status = listed == PBWL__REBUILD ? PBWL__REBUILD : pbwl__try_moves(live, listed, changes, &way);
+    status = status == PBWL__REBUILD ? pbwl__choose(live, context, listed == PBWL__REBUILD, changes, &way) : status;
     if (changes != NULL) {
         changes->way = way;
     }
@@ -4665,11 +4689,11 @@ static pbw_status pbw__live_go(pbw_live *live, pbw__context *context, pbw_change
 }
 
 /* Queues the points of a mesh that exist; counts the absent ones, and those that are not finite. */
-typedef struct pbw__loading { pbw_live *live; const pbw_mesh *mesh; size_t absent, wild; } pbw__loading;
+typedef struct pbwl__loading { pbw_live *live; const pbw_mesh *mesh; size_t absent, wild; } pbwl__loading;
 
-static pbw_status pbw__load_range(void *arg, size_t from, size_t to)
+static pbw_status pbwl__load_range(void *arg, size_t from, size_t to)
 {
-    pbw__loading *loading = (pbw__loading *)arg;
+    pbwl__loading *loading = (pbwl__loading *)arg;
     pbw_live *live = loading->live;
     const pbw_mesh *mesh = loading->mesh;
     const size_t dim = (size_t)live->dim;
@@ -4680,10 +4704,10 @@ static pbw_status pbw__load_range(void *arg, size_t from, size_t to)
             live->point[i * dim + k] = there ? mesh->points[i * dim + k] + 0.0 : 0.0;        /* no -0.0 */
         }
         live->weight[i] = there && mesh->weights != NULL ? mesh->weights[i] + 0.0 : 0.0;
-        live->state[i] = there ? PBW__STAYS | PBW__QUEUED : 0;
+        live->state[i] = there ? PBWL__KEPT | PBWL__QUEUED : 0;
         live->queue[i] = (pbw_index)i;
         absent += !there;
-        wild += !pbw__all_finite(live->point + i * dim, dim) || !pbw__all_finite(live->weight + i, 1);
+        wild += !pbwl__all_finite(live->point + i * dim, dim) || !pbwl__all_finite(live->weight + i, 1);
     }
     (void)PBW__ADD(&loading->absent, absent);
     (void)PBW__ADD(&loading->wild, wild);
@@ -4691,10 +4715,10 @@ static pbw_status pbw__load_range(void *arg, size_t from, size_t to)
 }
 
 /* Queues all points of a mesh; room is reserved. */
-static pbw_status pbw__live_load(pbw_live *live, pbw__context *context, const pbw_mesh *mesh)
+static pbw_status pbwl__load(pbw_live *live, pbw__context *context, const pbw_mesh *mesh)
 {
-    pbw__loading loading = { live, mesh, 0, 0 };
-    pbw_status status = pbw__for_range(context, mesh->point_count, 16384, 0.0, pbw__load_range, &loading);
+    pbwl__loading loading = { live, mesh, 0, 0 };
+    pbw_status status = pbw__for_range(context, mesh->point_count, 16384, 0.0, pbwl__load_range, &loading);
     size_t i;
     if (status != PBW_OK || loading.wild > 0) {
         return status != PBW_OK ? status : PBW_ERROR_NOT_FINITE;
@@ -4714,7 +4738,7 @@ static pbw_status pbw__live_load(pbw_live *live, pbw__context *context, const pb
 }
 
 /* Carries out the queue.  If mesh is not NULL, first queues its points. */
-static pbw_status pbw__live_run(pbw_live *live, const pbw_mesh *mesh, pbw_changes *changes)
+static pbw_status pbwl__run(pbw_live *live, const pbw_mesh *mesh, pbw_changes *changes)
 {
     pbw__context context;
     pbw_status status;
@@ -4722,16 +4746,16 @@ static pbw_status pbw__live_run(pbw_live *live, const pbw_mesh *mesh, pbw_change
     pbw__context_start(&context, &live->options, mesh != NULL ? mesh->point_count : live->count);
     context.memory = live->memory;
     live->core.kernel.context = &context;
-    status = !pbw__fp_is_exact() ? PBW_ERROR_FP_MODE : mesh != NULL ? pbw__live_load(live, &context, mesh) : PBW_OK;
-    status = status == PBW_OK ? pbw__live_go(live, &context, changes) : status;
+    status = !pbw__fp_is_exact() ? PBW_ERROR_FP_MODE : mesh != NULL ? pbwl__load(live, &context, mesh) : PBW_OK;
+    status = status == PBW_OK ? pbwl__go(live, &context, changes) : status;
     pbw__team_stop(&context);
     if (status != PBW_OK && status != PBW_DEGENERATE) {
-        pbw__changes_release(&context.memory, changes);
+        pbwl__changes_release(&context.memory, changes);
     } else {
-        pbw__live_settle(live);
+        pbwl__settle(live);
     }
     if (changes != NULL && changes->memory != NULL) {        /* the caller's from here on */
-        const pbw__owned_changes *owned = (const pbw__owned_changes *)changes->memory;
+        const pbwl__owned_changes *owned = (const pbwl__owned_changes *)changes->memory;
         context.memory.used -= sizeof(*owned) + (owned->deleted + owned->made + owned->points) * sizeof(pbw_index);
     }
     live->core.kernel.context = NULL;
@@ -4745,7 +4769,7 @@ PBWDEF pbw_status pbw_live_commit(pbw_live *live, pbw_changes *changes)
     if (changes != NULL) {
         memset(changes, 0, sizeof(*changes));
     }
-    return live == NULL ? PBW_ERROR_ARGUMENT : pbw__live_run(live, NULL, changes);
+    return live == NULL ? PBW_ERROR_ARGUMENT : pbwl__run(live, NULL, changes);
 }
 
 PBWDEF void pbw_live_free(pbw_live *live)
@@ -4755,7 +4779,7 @@ PBWDEF void pbw_live_free(pbw_live *live)
         pbw_memory *memory = &context.memory;
         memset(&context, 0, sizeof(context));
         context.memory = live->memory;
-        pbw__core_free(&context, &live->core);
+        pbwl__core_free(&context, &live->core);
         PBW__RELEASE(memory, live, point);
         PBW__RELEASE(memory, live, weight);
         PBW__RELEASE(memory, live, state);
@@ -4799,8 +4823,8 @@ PBWDEF pbw_status pbw_live_create(const pbw_mesh *mesh, const pbw_options *optio
     live->options.message = NULL;
     live->dim = mesh->dim;
     live->weighted = mesh->weights != NULL;
-    status = pbw__live_reserve(live, mesh->point_count, mesh->point_count);
-    status = status == PBW_OK ? pbw__live_run(live, mesh, NULL) : status;
+    status = pbwl__reserve(live, mesh->point_count, mesh->point_count);
+    status = status == PBW_OK ? pbwl__run(live, mesh, NULL) : status;
     if (status != PBW_OK && status != PBW_DEGENERATE) {
         pbw_live_free(live);
         return status;
@@ -4814,7 +4838,7 @@ PBWDEF pbw_status pbw_live_create(const pbw_mesh *mesh, const pbw_options *optio
    The vertices are sorted along the curve as for a build, which gives their ranks.  The corners are copied as ranks;
    from there on >>number and >>output work as after a build, but write to new arrays, as the core keeps its own.
    ------------------------------------------------------------------------------------------------------ */
-typedef struct pbw__viewing {
+typedef struct pbwl__viewing {
     const pbw_live *live;
     pbw_mesh *mesh;
     size_t duplicates;
@@ -4822,13 +4846,13 @@ typedef struct pbw__viewing {
     pbw_index *id;                                   /* per rank */
     pbw_index *rank;                                 /* per vertex */
     pbw_index *corner;                               /* per slot: the ranks of the corners */
-} pbw__viewing;
+} pbwl__viewing;
 
 /* ---- points: those in the queue have other coordinates than their vertices */
-PBW__INLINE void pbw__view_points_of(pbw__viewing *viewing, size_t from, size_t to, int dims)
+PBW__INLINE void pbwl__view_points_of(pbwl__viewing *viewing, size_t from, size_t to, int dims)
 {
     const pbw_live *live = viewing->live;
-    const pbw__core *core = &live->core;
+    const pbwl__core *core = &live->core;
     const size_t dim = (size_t)dims;
     const pbw_mesh *mesh = viewing->mesh;
     double *points = (double *)(uintptr_t)mesh->points, *weights = (double *)(uintptr_t)mesh->weights;
@@ -4836,7 +4860,7 @@ PBW__INLINE void pbw__view_points_of(pbw__viewing *viewing, size_t from, size_t 
     const int settled = live->queue_count == 0 && core->twin != NULL;
     size_t duplicates = 0, i;
     for (i = from; i < to; i++) {
-        const int lives = (live->state[i] & PBW__LIVES) != 0, single = settled && lives && core->twin[i] == i;
+        const int lives = (live->state[i] & PBWL__COMMITTED) != 0, single = settled && lives && core->twin[i] == i;
         const pbw_index v = lives && !single ? core->vertex[i] : PBW__GHOST;
         if (lives) {
             const double *place = single ? live->point + i * dim : core->record + v * (dim + 1);
@@ -4853,15 +4877,15 @@ PBW__INLINE void pbw__view_points_of(pbw__viewing *viewing, size_t from, size_t 
     (void)PBW__ADD(&viewing->duplicates, duplicates);
 }
 
-static pbw_status pbw__view_points(void *arg, size_t from, size_t to)
+static pbw_status pbwl__view_points(void *arg, size_t from, size_t to)
 {
-    pbw__viewing *viewing = (pbw__viewing *)arg;
-    PBW__BY_DIM(viewing->live->dim, pbw__view_points_of, viewing, from, to);
+    pbwl__viewing *viewing = (pbwl__viewing *)arg;
+    PBW__BY_DIM(viewing->live->dim, pbwl__view_points_of, viewing, from, to);
     return PBW_OK;
 }
 
 /* Makes the points, weights and canonical of a view. */
-static pbw_status pbw__view_begin(pbw__viewing *viewing, pbw__context *context)
+static pbw_status pbwl__view_begin(pbwl__viewing *viewing, pbw__context *context)
 {
     const pbw_live *live = viewing->live;
     const size_t numbers = live->numbers, entries = numbers * (size_t)live->dim;
@@ -4870,57 +4894,57 @@ static pbw_status pbw__view_begin(pbw__viewing *viewing, pbw__context *context)
     pbw_status status;
     mesh->points = (double *)pbw__allocate_large(context, entries, sizeof(double));
     mesh->canonical = (pbw_index *)pbw__allocate_large(context, numbers, sizeof(pbw_index));
-    mesh->weights = live->weighted_past ? (double *)pbw__allocate_large(context, numbers, sizeof(double)) : NULL;
+    mesh->weights = live->weighted_before ? (double *)pbw__allocate_large(context, numbers, sizeof(double)) : NULL;
     owned->points = entries;
     owned->weights = owned->canonical = numbers;
-    if (mesh->points == NULL || mesh->canonical == NULL || (mesh->weights == NULL && live->weighted_past)) {
+    if (mesh->points == NULL || mesh->canonical == NULL || (mesh->weights == NULL && live->weighted_before)) {
         return PBW_ERROR_MEMORY;
     }
-    status = pbw__for_range(context, numbers, 16384, 0.0, pbw__view_points, viewing);
+    status = pbw__for_range(context, numbers, 16384, 0.0, pbwl__view_points, viewing);
     mesh->duplicate_count = viewing->duplicates;
     return status;
 }
 
-/* Sorts the vertices.  Copies them to `stand` if some were removed, or if there are duplicates, which count for the
-   grid of the keys. */
-static pbw_status pbw__view_order(const pbw_live *live, pbw__context *context, pbw__stand *stand,
-                                  pbw__vertices *vertices)
+/* Sorts the vertices.  Copies them to `gathered` if some were removed, or if there are duplicates, which count for
+   the grid of the keys. */
+static pbw_status pbwl__view_order(const pbw_live *live, pbw__context *context, pbwl__gathered *gathered,
+                                   pbw__vertices *vertices)
 {
-    const pbw__core *core = &live->core;
+    const pbwl__core *core = &live->core;
     const size_t width = (size_t)live->dim + 1;
     pbw__input input;
     pbw_index v;
     size_t i;
     if (core->unused_count == 0 && core->vertex_count == live->points) {
         input = pbw__input_of(live->dim, 0, core->record + width, core->record + 2 * width - 1, live->points);
-        input.weights = live->weighted_past ? input.weights : NULL;
+        input.weights = live->weighted_before ? input.weights : NULL;
         input.stride = input.weight_stride = width * sizeof(double);
         input.bare = 1;
         return pbw__order(context, &input, vertices);
     }
-    if (!pbw__stand_create(&context->memory, stand, live->points, live->dim)) {
+    if (!pbwl__gathered_create(&context->memory, gathered, live->points, live->dim)) {
         return PBW_ERROR_MEMORY;
     }
     for (v = 1; v <= core->vertex_count; v++) {
-        if (core->incident[v] != PBW__GONE) {
-            pbw__stand_add(stand, v, pbw__core_record(core, v), pbw__core_record(core, v)[width - 1]);
+        if (core->incident[v] != PBWL__VERTEX_REMOVED) {
+            pbwl__gathered_add(gathered, v, pbwl__core_record(core, v), pbwl__core_record(core, v)[width - 1]);
         }
     }
-    for (i = 0; stand->count < live->points && i < live->numbers; i++) {
-        if ((live->state[i] & PBW__LIVES) != 0 && core->name[core->vertex[i]] != i) {
-            pbw__stand_add(stand, core->vertex[i], pbw__core_record(core, core->vertex[i]), live->weight[i]);
+    for (i = 0; gathered->count < live->points && i < live->numbers; i++) {
+        if ((live->state[i] & PBWL__COMMITTED) != 0 && core->name[core->vertex[i]] != i) {
+            pbwl__gathered_add(gathered, core->vertex[i], pbwl__core_record(core, core->vertex[i]), live->weight[i]);
         }
     }
-    pbw__stand_input(stand, live->weighted_past, &input);
+    pbwl__gathered_input(gathered, live->weighted_before, &input);
     input.bare = core->vertex_count - core->unused_count == live->points;
     return pbw__order(context, &input, vertices);
 }
 
 /* ---- simplices */
 /* Sets the rank of each vertex, and the id of each rank. */
-static pbw_status pbw__view_ranks(void *arg, size_t from, size_t to)
+static pbw_status pbwl__view_ranks(void *arg, size_t from, size_t to)
 {
-    const pbw__viewing *viewing = (const pbw__viewing *)arg;
+    const pbwl__viewing *viewing = (const pbwl__viewing *)arg;
     const pbw_index *name = viewing->live->core.name, *list = viewing->list;
     size_t r;
     for (r = from + 1; r <= to; r++) {
@@ -4935,7 +4959,7 @@ static pbw_status pbw__view_ranks(void *arg, size_t from, size_t to)
 }
 
 /* Copies the corners of a range of slots as ranks. */
-PBW__INLINE void pbw__view_corners_of(const pbw__viewing *viewing, size_t from, size_t to, int dim)
+PBW__INLINE void pbwl__view_corners_of(const pbwl__viewing *viewing, size_t from, size_t to, int dim)
 {
     const pbw_index *rank = viewing->rank;
     size_t t;
@@ -4950,18 +4974,18 @@ PBW__INLINE void pbw__view_corners_of(const pbw__viewing *viewing, size_t from, 
     }
 }
 
-static pbw_status pbw__view_corners(void *arg, size_t from, size_t to)
+static pbw_status pbwl__view_corners(void *arg, size_t from, size_t to)
 {
-    const pbw__viewing *viewing = (const pbw__viewing *)arg;
-    PBW__BY_DIM(viewing->live->dim, pbw__view_corners_of, viewing, from, to);
+    const pbwl__viewing *viewing = (const pbwl__viewing *)arg;
+    PBW__BY_DIM(viewing->live->dim, pbwl__view_corners_of, viewing, from, to);
     return PBW_OK;
 }
 
 /* Makes a store of ranks that borrows the core's links, with the slots of the build in regions. */
-static pbw_status pbw__view_store(pbw__viewing *viewing, pbw__context *context, const pbw__vertices *vertices,
-                                  pbw__store *store)
+static pbw_status pbwl__view_store(pbwl__viewing *viewing, pbw__context *context, const pbw__vertices *vertices,
+                                   pbw__store *store)
 {
-    const pbw__core *core = &viewing->live->core;
+    const pbwl__core *core = &viewing->live->core;
     pbw_memory *memory = &context->memory;
     const size_t slots = core->store.count, vertex_entries = core->vertex_count + 1;
     pbw_status status = PBW_ERROR_MEMORY;
@@ -4980,19 +5004,19 @@ static pbw_status pbw__view_store(pbw__viewing *viewing, pbw__context *context, 
     viewing->rank = (pbw_index *)pbw__allocate_large(context, vertex_entries, sizeof(pbw_index));
     if (store->hint != NULL && store->corner != NULL && viewing->rank != NULL) {
         viewing->rank[0] = PBW__GHOST;
-        status = pbw__for_range(context, vertices->count, 16384, 0.0, pbw__view_ranks, viewing);
-        status = status == PBW_OK ? pbw__for_range(context, slots, 16384, 0.0, pbw__view_corners, viewing) : status;
+        status = pbw__for_range(context, vertices->count, 16384, 0.0, pbwl__view_ranks, viewing);
+        status = status == PBW_OK ? pbw__for_range(context, slots, 16384, 0.0, pbwl__view_corners, viewing) : status;
     }
     pbw__release(memory, viewing->rank, vertex_entries, sizeof(pbw_index));
     return status;
 }
 
-static pbw_status pbw__view(const pbw_live *live, pbw__context *context, pbw_mesh *mesh)
+static pbw_status pbwl__view(const pbw_live *live, pbw__context *context, pbw_mesh *mesh)
 {
     pbw_memory *memory = &context->memory;
     pbw__owned *owned = (pbw__owned *)pbw__allocate(memory, 1, sizeof(pbw__owned));
-    pbw__viewing viewing;
-    pbw__stand stand;
+    pbwl__viewing viewing;
+    pbwl__gathered gathered;
     pbw__vertices vertices;
     pbw__store store;
     pbw_status status;
@@ -5000,7 +5024,7 @@ static pbw_status pbw__view(const pbw_live *live, pbw__context *context, pbw_mes
         return PBW_ERROR_MEMORY;
     }
     memset(owned, 0, sizeof(*owned));
-    memset(&stand, 0, sizeof(stand));
+    memset(&gathered, 0, sizeof(gathered));
     memset(&viewing, 0, sizeof(viewing));
     memset(&store, 0, sizeof(store));
     viewing.live = live;
@@ -5011,23 +5035,23 @@ static pbw_status pbw__view(const pbw_live *live, pbw__context *context, pbw_mes
     if (live->numbers == 0) {
         return PBW_DEGENERATE;
     }
-    status = pbw__view_begin(&viewing, context);
+    status = pbwl__view_begin(&viewing, context);
     if (status == PBW_OK && live->core.simplex_count == 0) {
         status = pbw__make_incident(context, owned, mesh, 1, NULL) == NULL ? PBW_ERROR_MEMORY : PBW_DEGENERATE;
     } else if (status == PBW_OK) {
         status = pbw__enter_stage(context, PBW_STAGE_ORDER) ? PBW_CANCELLED
-               : pbw__view_order(live, context, &stand, &vertices);
-        viewing.list = stand.list;
+               : pbwl__view_order(live, context, &gathered, &vertices);
+        viewing.list = gathered.list;
         if (status == PBW_OK) {
             status = pbw__enter_stage(context, PBW_STAGE_OUTPUT) ? PBW_CANCELLED
-                   : pbw__view_store(&viewing, context, &vertices, &store);
+                   : pbwl__view_store(&viewing, context, &vertices, &store);
             status = status == PBW_OK ? pbw__output(context, &store, &vertices, PBW_BORROW, owned, mesh) : status;
             store.link = NULL;                       /* the core's */
             pbw__store_free(memory, &store);
             pbw__vertices_free(context, &vertices);
         }
     }
-    pbw__stand_free(memory, &stand);
+    pbwl__gathered_free(memory, &gathered);
     return status;
 }
 
@@ -5047,7 +5071,7 @@ PBWDEF pbw_status pbw_live_view(pbw_live *live, pbw_mesh *mesh)
     pbw__context_start(&context, &live->options, live->points);
     context.memory.used = live->memory.used;         /* what is held counts */
     live->core.kernel.context = &context;
-    status = pbw__fp_is_exact() ? pbw__view(live, &context, mesh) : PBW_ERROR_FP_MODE;
+    status = pbw__fp_is_exact() ? pbwl__view(live, &context, mesh) : PBW_ERROR_FP_MODE;
     live->core.kernel.context = NULL;
     pbw__team_stop(&context);
     if (mesh->memory != NULL) {
