@@ -2479,7 +2479,7 @@ static void pbw__grid_scan(pbw__context *context, const double *records, size_t 
       pairs     see there
       reach     difference twice, product, 2 sums, weight        6    |v - q|^2 + |w|            6 u that sum
 
-   The squared distance of >>reach is compared in any rounding mode, with one rounding more in the difference.
+   The squared distance of pbw_query.h is compared in any rounding mode, with one rounding more in the difference.
    The constants leave about one percent, for the roundings of the bound itself and what underflow takes. */
 #define PBW__FILTER_ORIENT2_ERROR 8.1                /* times 2^-52: any rounding mode */
 #define PBW__FILTER_ORIENT3_ERROR 48.5
@@ -2493,7 +2493,7 @@ static void pbw__grid_scan(pbw__context *context, const double *records, size_t 
 #define PBW__ORIENT3_ERROR 5.4e-15
 #define PBW__CIRCLE_ERROR 9e-15
 #define PBW__SPHERE_ERROR 5.2e-14
-#define PBW__EAR_ERROR 2.8e-14                       /* of Q in >>ears: times h^(3/2) */
+#define PBW__EAR_ERROR 2.8e-14                       /* of Q in pbw_live.h: times h^(3/2) */
 #define PBW__TIME_ERROR 1.25                         /* of P / Q: times the error of P, and P / Q times that of Q */
 #define PBW__TIME_LEAST 64.0                         /* times the error of Q: where P / Q is used */
 #define PBW__THIN_ERROR 1.5e-15                      /* times the sum of the absolute products */
@@ -4257,10 +4257,10 @@ typedef uint32_t pbw__link;
 typedef struct pbw__store {
     pbw_index *corner;
     pbw__link *link;
-    unsigned char *mark;                             /* 3D: 1 for a simplex of a cavity; >>core uses them in 2D too */
+    unsigned char *mark;                             /* 3D: 1 for a simplex of a cavity; pbw_live.h: in 2D, too */
     size_t corner_capacity, link_capacity, mark_capacity;
     size_t capacity;                                 /* in simplices, the least of all */
-    int plain;                                       /* no marks: in the plane, without >>core, and in the output */
+    int plain;                                       /* no marks: in the plane, without pbw_live.h, and in the output */
     int lent;                                        /* `link` is that of another store, for the output to read */
     size_t count;                                    /* slots given to regions and threads */
     pbw_index *region;                               /* per region: its first slot that was never used */
