@@ -4260,7 +4260,7 @@ typedef struct pbw__store {
     unsigned char *mark;                             /* 3D: 1 for a simplex of a cavity; pbw_live.h: in 2D, too */
     size_t corner_capacity, link_capacity, mark_capacity;
     size_t capacity;                                 /* in simplices, the least of all */
-    int plain;                                       /* no marks: in the plane, without pbw_live.h, and in the output */
+    int plain;                                       /* no marks: in the plane, without pbw_live.h, and for output */
     int lent;                                        /* `link` is that of another store, for the output to read */
     size_t count;                                    /* slots given to regions and threads */
     pbw_index *region;                               /* per region: its first slot that was never used */
