@@ -624,7 +624,7 @@ PBWDEF int pbw_centre(int dim, const double *const *corner, const double *weight
 
 /* Corner k, 0 to 2, of the facet opposite to corner `facet` of a tetrahedron: the lowest first, counter-clockwise
    seen from outside.  {1,2,3}, {0,3,2}, {0,1,3}, {0,2,1}. */
-#define PBW_FACET_CORNER(facet, k) (0x634b39u >> (6 * (facet) + 2 * (k)) & 3u)
+#define PBW_FACET_CORNER(facet, k) (0x634b39u >> (6 * (unsigned)(facet) + 2 * (unsigned)(k)) & 3u)
 
 PBWDEF const char *pbw_status_string(pbw_status status);    /* never NULL, never freed */
 PBWDEF int pbw_version(void);              /* differs from PBW_VERSION if header and implementation do */

@@ -12,8 +12,6 @@
 
 enum { COUNT = 20000 };
 
-static const int facet_corners[4][3] = { { 1, 2, 3 }, { 0, 3, 2 }, { 0, 1, 3 }, { 0, 2, 1 } };     /* outward */
-
 /* A ring of radii 1 and 0.4: random points of a box, pulled to the surface, with noise of +-0.005. */
 static void scan(double *points)
 {
@@ -67,7 +65,7 @@ static double sphere(const double *u, const double *v, const double *w, double *
    the facet's own radius, or, if an opposite corner is within its sphere, the lesser of those of the tetrahedra. */
 static int passes(const pbw_mesh *mesh, size_t t, int f, double alpha2)
 {
-    const double *a = mesh->points + 3 * mesh->simplices[4 * t + (size_t)facet_corners[f][0]];
+    const double *a = mesh->points + 3 * mesh->simplices[4 * t + PBW_FACET_CORNER(f, 0)];
     pbw_index n = mesh->neighbors[4 * t + (size_t)f];
     double edge[3][3], center[3], other[3], clearance = 0, least = HUGE_VAL;
     int within = 0;
@@ -77,7 +75,7 @@ static int passes(const pbw_mesh *mesh, size_t t, int f, double alpha2)
             for (apex = 4 * (size_t)n; mesh->neighbors[apex] != t; apex++) {}
         }
         for (int k = 0; k < 9; k++) {
-            size_t from = k < 6 ? 4 * t + (size_t)facet_corners[f][k / 3 + 1] : apex;
+            size_t from = k < 6 ? 4 * t + PBW_FACET_CORNER(f, k / 3 + 1) : apex;
             edge[k / 3][k % 3] = mesh->points[3 * mesh->simplices[from] + (size_t)(k % 3)] - a[k % 3];
         }
         least = fmin(least, sphere(edge[0], edge[1], edge[2], other));
@@ -126,7 +124,7 @@ int main(int argc, char **argv)
         if (!carved[i / 4] && (mesh.neighbors[i] == PBW_NONE || carved[mesh.neighbors[i]])) {
             pbw_index id[3];
             for (int k = 0; k < 3; k++) {
-                id[k] = mesh.simplices[i - i % 4 + (size_t)facet_corners[i % 4][k]];
+                id[k] = mesh.simplices[i - i % 4 + PBW_FACET_CORNER(i % 4, k)];
                 vertices += !on_surface[id[k]];
                 on_surface[id[k]] = 1;
             }

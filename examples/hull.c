@@ -10,10 +10,7 @@
 
 enum { COUNT = 20000 };
 
-/* The facet across from each corner, counter-clockwise seen from outside. */
-static const int facet_corners[4][3] = { { 1, 2, 3 }, { 0, 3, 2 }, { 0, 1, 3 }, { 0, 2, 1 } };
-
-/* All hull facets, three point ids each; NULL if out of memory. */
+/* All hull facets, three point ids each, counter-clockwise seen from outside; NULL if out of memory. */
 static pbw_index *hull_of(const pbw_mesh *mesh, size_t *facets)
 {
     pbw_index *hull = NULL;
@@ -22,7 +19,7 @@ static pbw_index *hull_of(const pbw_mesh *mesh, size_t *facets)
         for (size_t i = 0; i < 4 * mesh->simplex_count; i++) {
             if (mesh->neighbors[i] == PBW_NONE) {
                 for (int k = 0; pass == 1 && k < 3; k++) {
-                    hull[3 * *facets + (size_t)k] = mesh->simplices[i - i % 4 + (size_t)facet_corners[i % 4][k]];
+                    hull[3 * *facets + (size_t)k] = mesh->simplices[i - i % 4 + PBW_FACET_CORNER(i % 4, k)];
                 }
                 ++*facets;
             }

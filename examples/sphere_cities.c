@@ -49,7 +49,6 @@ static double area_of(const double *a, const double *b, const double *c)
 
 int main(void)
 {
-    static const int corners[4][3] = { { 1, 2, 3 }, { 0, 3, 2 }, { 0, 1, 3 }, { 0, 2, 1 } };     /* outward */
     const double radius = 6371.0, turn = 3.14159265358979324 / 180;
     double points[3 * CITIES], areas[CITIES] = { 0 }, sum = 0;
     pbw_mesh mesh = { 0 };
@@ -68,7 +67,7 @@ int main(void)
             continue;
         }
         for (int k = 0; k < 3; k++) {
-            id[k] = mesh.simplices[f / 4 * 4 + (size_t)corners[f % 4][k]];
+            id[k] = mesh.simplices[f / 4 * 4 + PBW_FACET_CORNER(f % 4, k)];
         }
         for (int k = 0; k < 3; k++) {
             u[k] = points[3 * id[1] + (pbw_index)k] - points[3 * id[0] + (pbw_index)k];

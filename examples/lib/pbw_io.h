@@ -5438,12 +5438,11 @@ static int pbwio__side_of(const pbwio__numbered *e, int side)
 /* The corners of a facet of an element. */
 static int pbwio__facet_of(const pbwio_cloud *cloud, const pbwio__numbered *e, int side, pbw_index corner[3])
 {
-    static const unsigned char facets[4][3] = { { 1, 2, 3 }, { 0, 3, 2 }, { 0, 1, 3 }, { 0, 2, 1 } };
     const pbw_index *t = e->dim == 3 ? cloud->tetrahedra + 4 * (size_t)e->first
                        : cloud->triangles + 3 * (size_t)e->first;
     int k;
     for (k = 0; k < 3 && e->dim == 3; k++) {
-        corner[k] = t[facets[side][k]];
+        corner[k] = t[PBW_FACET_CORNER(side, k)];
     }
     for (k = 0; k < 2 && e->dim == 2; k++) {                         /* of a quadrilateral the second triangle has */
         const int at = (side + k) % e->corners;                      /* the last corner */
@@ -6227,9 +6226,8 @@ typedef struct pbwio__writer {
     char buffer[16384];
 } pbwio__writer;
 
-/* Facet k is across from corner k and turns counter-clockwise seen from outside. */
+/* Edge k of a triangle is across from corner k and turns counter-clockwise. */
 static const unsigned char pbwio__facet2[3][2] = { { 1, 2 }, { 2, 0 }, { 0, 1 } };
-static const unsigned char pbwio__facet3[4][3] = { { 1, 2, 3 }, { 0, 3, 2 }, { 0, 1, 3 }, { 0, 2, 1 } };
 
 #define PBWIO__MOST_TAG 1000000000         /* where tags are numbers of groups by name; larger ones are replaced */
 
@@ -6336,7 +6334,7 @@ static size_t pbwio__corners(const pbwio__writer *w, pbw_index corner[4])
         return count;
     }
     for (i = 0; i < count; i++) {
-        corner[i] = all[k == w->corners ? i : w->corners == 4 ? pbwio__facet3[k][i] : pbwio__facet2[k][i]];
+        corner[i] = all[k == w->corners ? i : w->corners == 4 ? PBW_FACET_CORNER(k, i) : pbwio__facet2[k][i]];
     }
     return count;
 }

@@ -355,7 +355,6 @@ static double pbwpic__extent(const pbwpic__view *v, double middle[3])
 /* Adds the faces between shown simplices and others that face the viewer. */
 static int pbwpic__faces3(pbwpic__view *v)
 {
-    static const unsigned char facet[4][3] = { { 1, 2, 3 }, { 0, 3, 2 }, { 0, 1, 3 }, { 0, 2, 1 } };
     static const double usual_eye[3] = { 0.1, -0.75, 1.0 }, usual_cut[4] = { 0.5, -0.8, 0.3, 0.38 };
     const pbw_mesh *mesh = v->mesh;
     const pbwpic_options *o = v->options;
@@ -393,7 +392,7 @@ static int pbwpic__faces3(pbwpic__view *v)
             continue;
         }
         for (k = 0; k < 9; k++) {
-            size_t p = mesh->simplices[i - i % 4 + facet[i % 4][k / 3]];
+            size_t p = mesh->simplices[i - i % 4 + PBW_FACET_CORNER(i % 4, k / 3)];
             corner[k / 3][k % 3] = pbwpic__at(v, p, k % 3) - middle[k % 3];
         }
         for (k = 0; k < 3; k++) {

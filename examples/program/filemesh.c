@@ -29,12 +29,11 @@ static int by_corners(const void *a, const void *b)
    whether that order and the outward one differ by an odd permutation. */
 static int sorted_facet(const pbw_index *simplex, size_t n, size_t i, pbw_index corner[3])
 {
-    static const unsigned char of_tetrahedron[4][3] = { { 1, 2, 3 }, { 0, 3, 2 }, { 0, 1, 3 }, { 0, 2, 1 } };
     int odd = 0, k;
     size_t m;
     corner[2] = PBW_NONE;
     for (m = 0; m + 1 < n; m++) {
-        corner[m] = simplex[n == 4 ? of_tetrahedron[i][m] : (i + 1 + m) % 3];
+        corner[m] = simplex[n == 4 ? PBW_FACET_CORNER(i, m) : (i + 1 + m) % 3];
     }
     for (k = 0; k < 3; k++) {
         const int at = k == 1 ? 1 : 0;
