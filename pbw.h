@@ -9594,17 +9594,17 @@ PBWDEF uint64_t pbw_hash(const pbw_mesh *mesh, const pbw_options *options)
 /* ---- sorting
    Keys of 64 bits, by their low halves first, then by their high ones: words of half a key and, below it, the
    index. */
-typedef struct pbw__halves {
+typedef struct pbw__key_halves {
     const uint64_t *keys;
     pbw_index *order;
     uint64_t *words;
     uint64_t differing;                              /* bits in which some key differs from the first */
     int half;                                        /* 0: low; order is not read, but that of the indices */
-} pbw__halves;
+} pbw__key_halves;
 
 static pbw_status pbw__fill_halves(void *arg, size_t from, size_t to)
 {
-    pbw__halves *halves = (pbw__halves *)arg;
+    pbw__key_halves *halves = (pbw__key_halves *)arg;
     uint64_t differing = 0, old;
     for (; from < to; from++) {
         const uint64_t index = halves->half ? halves->order[from] : from, key = halves->keys[index];
@@ -9619,14 +9619,15 @@ static pbw_status pbw__fill_halves(void *arg, size_t from, size_t to)
 
 static pbw_status pbw__read_order(void *arg, size_t from, size_t to)
 {
-    const pbw__halves *halves = (const pbw__halves *)arg;
+    const pbw__key_halves *halves = (const pbw__key_halves *)arg;
     for (; from < to; from++) {
         halves->order[from] = (pbw_index)halves->words[from];
     }
     return PBW_OK;
 }
 
-static pbw_status pbw__sort_halves(pbw__context *context, pbw__halves *halves, pbw__sorting *sorting, uint32_t *start)
+static pbw_status pbw__sort_halves(pbw__context *context, pbw__key_halves *halves, pbw__sorting *sorting,
+                                   uint32_t *start)
 {
     pbw_status status = PBW_OK;
     for (halves->half = 0; halves->half < 2 && status == PBW_OK; halves->half++) {
@@ -9650,7 +9651,7 @@ PBWDEF pbw_status pbw_sort(const uint64_t *keys, size_t count, const pbw_options
 {
     pbw__context context;
     pbw__sorting sorting;
-    pbw__halves halves = { keys, order, NULL, 0, 0 };
+    pbw__key_halves halves = { keys, order, NULL, 0, 0 };
     pbw_status status;
     if (count > 0 && (keys == NULL || order == NULL)) {
         return PBW_ERROR_ARGUMENT;

@@ -456,6 +456,7 @@ if clang --target=x86_64-pc-windows-msvc -ffreestanding -fsyntax-only -x c /dev/
 #include <stddef.h>
 void *malloc(size_t), *realloc(void *, size_t), free(void *);
 void qsort(void *, size_t, size_t, int (*)(const void *, const void *));
+void *bsearch(const void *, const void *, size_t, size_t, int (*)(const void *, const void *));
 END
     cat > "$work/msvc/string.h" << 'END'
 #include <stddef.h>
