@@ -516,15 +516,15 @@ END
                 -fsyntax-only -x c++ "$work/$file.c"
         done
     done
-    # Companions whose threads count together do so by atomic operations there, too.
+    # Companions whose threads share words, and count together.
     for header in cells tiles; do
         printf '#define PBW_%s_IMPLEMENTATION\n#include "pbw_%s.h"\n' \
             "$(echo $header | tr a-z A-Z)" $header > "$work/msvc/$header.c"
         # shellcheck disable=SC2086
         check "MSVC, by clang: pbw_$header.h" $msvc -std=c11 -O1 -Wall -Wextra -Werror -I"$work/msvc" -I. -Iexamples/lib \
             -S "$work/msvc/$header.c" -o "$work/msvc/$header.s"
-        check "MSVC, by clang: pbw_$header.h counts by atomic operations" grep 'lock' "$work/msvc/$header.s"
     done
+    check "MSVC, by clang: pbw_tiles.h counts by atomic operations" grep 'lock' "$work/msvc/tiles.s"
     if $other-gcc "$work/empty.c" -o "$work/empty" > /dev/null 2>&1; then
         printf 'int _fltused;\n' > "$work/msvc/float.c"
         # shellcheck disable=SC2086
