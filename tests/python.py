@@ -552,7 +552,7 @@ def squared_radius(corners, weights):
 @test
 def alpha_shapes():
     """Against exact radii and lengths, and the program."""
-    program = os.path.join(os.path.dirname(os.environ.get("PBW_LIBRARY", "")), "pbw")
+    program = os.path.abspath(os.path.join(os.path.dirname(os.environ.get("PBW_LIBRARY", "")), "pbw"))
     for dim in (2, 3):
         rng = np.random.default_rng(dim)
         points = rng.random((200, dim))
