@@ -7,7 +7,7 @@
 #define PBW_IMPLEMENTATION
 #define PBW_LIVE_IMPLEMENTATION
 static double verify_at;
-#define PBWL__REBUILD_AT(dim) (1e9)                     /* so few points would always be triangulated anew */
+#define PBWL__REBUILD_AT(dim) (1e9)                     /* so few points would always be triangulated again */
 #define PBWL__VERIFY_AT(dim) verify_at
 #include "pbw_live.h"
 #if defined(__clang__)                                 /* coverage of the library is to guide the fuzzer, not ours */

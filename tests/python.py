@@ -1044,7 +1044,7 @@ def command(*words, **environment):
 
 @test
 def installed_by_pip():
-    """From the source tree, and from a source archive, compiled anew, without network.  With QUICK from the tree only,
+    """From the source tree, and from a source archive, compiled there, without network.  With QUICK from the tree only,
     by a compiler that looks at the sources and hands over the library that is compiled already."""
     if command("-m", "pip", "--version")[0] != 0:
         raise Skip("no pip")

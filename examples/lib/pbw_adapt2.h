@@ -495,7 +495,7 @@ static pbw_status pbwa2__make_again(pbwa2__remake *a, pbwa2__memory *memory, con
 
 /* ------------------------------------------------------------------------------------------------------
    >>smoothing    Smoothing.
-   In: a plane.  Out: one of as many points, those on no segment at other places.
+   In: a plane.  Out: a plane with the same number of points; points on no segment have moved.
    Holds: no move makes the least angle of the mesh smaller; each round ends with a triangulation.
    ------------------------------------------------------------------------------------------------------ */
 

@@ -3837,7 +3837,7 @@ static void pbwio__read_msh(pbwio__reader *r)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   >>vtu          .vtu: arrays of numbers between tags.
+   >>vtu          Meshes of VTK in XML, .vtu: arrays of numbers between tags.
    In: the reader; arrays as text, in base64, or raw behind all tags; plain or in zlib's blocks.
    Out: points, cells as elements, arrays of integers as groups.
    Holds: no array is read beyond its end.
@@ -4489,7 +4489,7 @@ static void pbwio__read_vtu(pbwio__reader *r)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   >>vtk          .vtk, the legacy format: sections with keywords.
+   >>vtk          Meshes of VTK's legacy format, .vtk: sections with keywords.
    In: versions 1.0 to 5.1; numbers as text, or binary with the highest byte first.
    Out: the arrays of a .vtu file, of which that reader makes points and cells.
    Holds: a section of unknown length ends the file, and cloud->dropped says so.
@@ -4779,7 +4779,7 @@ static void pbwio__read_vtk(pbwio__reader *r)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   >>inp          .inp: nodes and elements by numbers.
+   >>inp          Meshes of Abaqus, .inp: nodes and elements by numbers.
    In: keywords in any case, with lines that go on after a comma; pass 1 reads nodes, pass 2 elements (pass 0 counts
    nodes, pass 3 reads sets).  Out: points and elements; lists of their numbers.
    Holds: a list is sorted before it is searched, and no number is in it twice.
@@ -5657,7 +5657,7 @@ static void pbwio__read_inp(pbwio__reader *r)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   >>su2          .su2: keys with values, then rows; all after % is a comment.
+   >>su2          Meshes of SU2, .su2: keys with values, then rows; all after % is a comment.
    In: the file, in two passes: the points, then all elements.  Out: elements; markers as groups of facets.
    Holds: each key has the number of rows that it announces.
    ------------------------------------------------------------------------------------------------------ */

@@ -1,4 +1,4 @@
-/* pbw_live.h - v0.2.0 - a triangulation whose points are inserted, removed and moved - MIT-0
+/* pbw_live.h - v0.2.0 - inserts, removes and moves points of a triangulation - MIT-0
 
    QUICK START
    In the source file that defines PBW_IMPLEMENTATION, define PBW_LIVE_IMPLEMENTATION too; in others just include.
@@ -2983,8 +2983,8 @@ static pbw_status pbwl__rebuild_changes(const pbw_live *live, const pbwl__core *
    >>hints        Where walks start, and what batches prefetch.
    In: the vertices of a batch, along the curve.  Out: for each a simplex near it; the stars that are needed soon, in
    the cache, as those of a small batch are cold.
-   Holds: any simplex may be a hint; an outdated one makes a walk longer, never wrong.  The table has a vertex for
-   each cell of a grid on the box of all vertices, with half as many cells as vertices.
+   Holds: any simplex may be a hint; an outdated one makes a walk longer, never wrong.  The table is a grid
+   on the box of all vertices, with one cell for two vertices; each cell has a vertex that is or was in it.
    ------------------------------------------------------------------------------------------------------ */
 PBW__INLINE size_t pbwl__start_cell(const pbwl__core *core, const double *x)
 {
@@ -3121,7 +3121,7 @@ PBW__INLINE pbw_index pbwl__nearer_start(pbwl__core *core, pbw_index a, pbw_inde
      (d) marks and slots, acquire and release are as in >>parallel.
    The ghost has no owner: the task that owns the other vertices of a ghost simplex deletes it.
    ------------------------------------------------------------------------------------------------------ */
-#define PBWL__GROUP 8                                /* changes whose vertices are claimed and prefetched ahead */
+#define PBWL__GROUP 8                                /* changes that are claimed and prefetched together */
 #define PBWL__LEAST_CHANGES PBW__SMALLER((size_t)256) /* a task must have so many to pay off */
 
 typedef struct pbwl__changing {
@@ -5069,7 +5069,7 @@ PBWDEF pbw_status pbw_live_view(pbw_live *live, pbw_mesh *mesh)
     }
     fp = pbw__fp_enter();
     pbw__context_start(&context, &live->options, live->points);
-    context.memory.used = live->memory.used;         /* what is held counts */
+    context.memory.used = live->memory.used;         /* the limit covers what `live` holds */
     live->core.kernel.context = &context;
     status = pbw__fp_is_exact() ? pbwl__view(live, &context, mesh) : PBW_ERROR_FP_MODE;
     live->core.kernel.context = NULL;

@@ -1850,7 +1850,7 @@ typedef struct pbwm2__refiner {
     pbwm2__array class_of[PBWM2__CLASSES], large;    /* a slot and a mark each, see queues */
     pbwm2__array splits;                   /* two ends each */
     pbwm2__array slots, boundary, hits;    /* a cavity: its triangles, its border, segments encroached upon */
-    pbwm2__array lowered;                  /* vertices whose sizes have fallen, for their neighbours */
+    pbwm2__array lowered;                  /* vertices with smaller sizes, which may lower their neighbours' */
     size_t inserted, moved, triangle_count;
 } pbwm2__refiner;
 

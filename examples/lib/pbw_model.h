@@ -82,7 +82,7 @@ extern pbwio_status pbwmodel_write(const char *path, const pbwmodel_content *con
 /* ------------------------------------------------------------------------------------------------------
    >>normals      The normals of a file, read as points.
    In: the name of a file, the model that was read from it.  Out: normals, and their ids for each triangle.
-   Holds: there are as many triangles, or points, as the model has; else normals is empty.
+   Holds: normals has the number of triangles, or of points, of the model; otherwise it is empty.
    ------------------------------------------------------------------------------------------------------ */
 
 /* Rewrites an .obj file: the points become the normals, the corners of faces the ids of normals.  A corner without a
