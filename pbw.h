@@ -9965,8 +9965,28 @@ PBWDEF pbw_status pbw_order(int dim, const double *points, size_t count, const p
      pbw__output                live        output
      pbw__owned                 live        output
      pbw__has_arrays            query live  check
+     PBW__SEAM_BEGIN            query live  seam
+     PBW__SEAM_END              query live  seam
    ------------------------------------------------------------------------------------------------------ */
 #define PBW__SEAM 1
+
+/* Above and below the code of such a header: no contraction, and no warnings of MSVC, as >>platform has it here. */
+#if defined(__clang__) && (defined(__x86_64__) || defined(__i386__))
+#define PBW__SEAM_BEGIN _Pragma("float_control(push)") _Pragma("STDC FP_CONTRACT OFF")
+#define PBW__SEAM_END _Pragma("float_control(pop)")
+#elif defined(__clang__)
+#define PBW__SEAM_BEGIN _Pragma("STDC FP_CONTRACT OFF")
+#define PBW__SEAM_END _Pragma("STDC FP_CONTRACT DEFAULT")
+#elif defined(__GNUC__) && defined(_WIN32)
+#define PBW__SEAM_BEGIN PBW_CONTRACTION_OFF _Pragma("GCC optimize(\"no-ipa-ra\")")
+#define PBW__SEAM_END PBW_CONTRACTION_ON
+#elif defined(_MSC_VER)
+#define PBW__SEAM_BEGIN __pragma(fp_contract(off)) __pragma(warning(push)) __pragma(warning(disable : 4244 4996))
+#define PBW__SEAM_END __pragma(warning(pop))
+#else
+#define PBW__SEAM_BEGIN PBW_CONTRACTION_OFF
+#define PBW__SEAM_END PBW_CONTRACTION_ON
+#endif
 
 /* ------------------------------------------------------------------------------------------------------
    >>api          The front door: argument checks, defaults, the stages in order, status texts.

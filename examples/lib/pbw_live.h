@@ -145,23 +145,7 @@ PBWDEF pbw_status pbw_live_view(pbw_live *live, pbw_mesh *mesh);
 #error "pbw_live.h is compiled where pbw.h of its version is: define PBW_IMPLEMENTATION too, above the include"
 #else
 
-/* Contraction is off here as in pbw.h, whose >>platform tells why; each compiler ignores the other's pragma. */
-#if defined(__clang__)
-#if defined(__x86_64__) || defined(__i386__)
-#pragma float_control(push)
-#endif
-#pragma STDC FP_CONTRACT OFF
-#elif defined(__GNUC__)
-#pragma GCC push_options
-#pragma GCC optimize("fp-contract=off")
-#ifdef _WIN32
-#pragma GCC optimize("no-ipa-ra")
-#endif
-#elif defined(_MSC_VER)
-#pragma fp_contract(off)
-#pragma warning(push)
-#pragma warning(disable : 4244 4996)
-#endif
+PBW__SEAM_BEGIN
 #ifdef _WIN32
 #pragma push_macro("far")
 #pragma push_macro("near")
@@ -5089,14 +5073,6 @@ PBWDEF pbw_status pbw_live_view(pbw_live *live, pbw_mesh *mesh)
 #pragma pop_macro("far")
 #pragma pop_macro("near")
 #endif
-#if defined(__clang__) && (defined(__x86_64__) || defined(__i386__))
-#pragma float_control(pop)
-#elif defined(__clang__)
-#pragma STDC FP_CONTRACT DEFAULT
-#elif defined(__GNUC__)
-#pragma GCC pop_options
-#elif defined(_MSC_VER)
-#pragma warning(pop)
-#endif
+PBW__SEAM_END
 #endif
 #endif /* PBW_LIVE_IMPLEMENTATION */
