@@ -551,6 +551,104 @@ static void test_regions(void)
     test_end();
 }
 
+static int compare_facets(const void *a, const void *b)
+{
+    return memcmp(a, b, 9 * sizeof(double));
+}
+
+/* Lists the facets of the boundary and between regions of which all corners have the mark: the corners' coordinates,
+   in order. */
+static size_t marked_facets(const pbw_tets *t, unsigned char mark, double (**list)[9])
+{
+    size_t count = 0, i, k;
+    *list = (double (*)[9])take(4 * t->tet_count * sizeof **list);
+    for (i = 0; i < 4 * t->tet_count; i++) {
+        int marked = 1, at = 0;
+        if (t->neighbors[i] != PBW_NONE && t->regions[t->neighbors[i]] == t->regions[i / 4]) {
+            continue;
+        }
+        for (k = 0; k < 4; k++) {
+            const pbw_index p = t->corners[i / 4 * 4 + k];
+            if (k != i % 4) {
+                marked &= t->marks[p] == mark;
+                memcpy((*list)[count] + 3 * at++, t->points + 3 * (size_t)p, 24);
+            }
+        }
+        for (k = 0; k < 3; k++) {                    /* sorts three corners */
+            double *const low = (*list)[count] + 3 * (k % 2), swap[3] = { low[0], low[1], low[2] };
+            if (memcmp(low, low + 3, 24) > 0) {
+                memcpy(low, low + 3, 24);
+                memcpy(low + 3, swap, 24);
+            }
+        }
+        count += (size_t)marked;
+    }
+    qsort(*list, count, sizeof **list, compare_facets);
+    return count;
+}
+
+/* Facets between frozen points stay to the bit, on the boundary and between regions, where all points are frozen and
+   where half of them are; fixed points alone keep no facet.  With sizes, edges get points elsewhere. */
+static void test_frozen(unsigned char mark, double half, int sized)
+{
+    const size_t count = 343;
+    double *x = cube_points(0), sizes[343], (*before)[9], (*after)[9];
+    unsigned char marks[343];
+    pbw_index *flat, *regions;
+    pbw_improve_options how;
+    pbw_improve_report report;
+    pbw_mesh mesh;
+    pbw_tets in, same, out;
+    size_t facets, i, k;
+    if (!test_begin("points that are %s%s%s", mark == PBW_TETS_FROZEN ? "frozen" : "fixed", half > 0 ? ", half" : "",
+                    sized ? ", sizes" : "")) {
+        free(x);
+        return;
+    }
+    memset(&mesh, 0, sizeof mesh);
+    memset(&how, 0, sizeof how);
+    CHECK_EQUAL(pbw_triangulate(3, x, NULL, count, NULL, &mesh), PBW_OK);
+    in = view(&mesh);
+    flat = without_flat(&in);
+    regions = (pbw_index *)take(in.tet_count * sizeof *regions);
+    for (i = 0; i < in.tet_count; i++) {
+        double sum = 0;
+        for (k = 0; k < 4; k++) {
+            sum += x[3 * (size_t)in.corners[4 * i + k] + 1];
+        }
+        regions[i] = sum > 2;
+    }
+    for (i = 0; i < count; i++) {
+        marks[i] = x[3 * i] >= half ? mark : PBW_TETS_FOUND;
+        sizes[i] = 0.1;
+    }
+    in.regions = regions;
+    in.marks = marks;
+    how.passes = -1;
+    CHECK_EQUAL(pbw_improve(&in, &how, NULL, &same, NULL), PBW_OK);
+    how.passes = 0;
+    how.sizes = sized ? sizes : NULL;
+    CHECK_EQUAL(pbw_improve(&in, &how, NULL, &out, &report), PBW_OK);
+    CHECK(is_sound(&out));
+    facets = marked_facets(&same, mark, &before);
+    CHECK(facets > 100 && (report.splits > 100) == sized);
+    i = marked_facets(&out, mark, &after);
+    CHECK((i == facets && memcmp(before, after, facets * sizeof *before) == 0) == (mark == PBW_TETS_FROZEN));
+    CHECK((report.boundary_removals + report.peelings > 0) == (mark == PBW_TETS_FIXED || half > 0));
+    CHECK(fabs(report.after.volume - report.before.volume) < 1e-9 && report.after.least >= report.before.least - 1e-9);
+    test_say("%zu facets stay, %.2f..%.2f to %.2f..%.2f", facets, report.before.least, report.before.largest,
+             report.after.least, report.after.largest);
+    free(before);
+    free(after);
+    pbw_tets_free(&same);
+    pbw_tets_free(&out);
+    pbw_free(&mesh);
+    free(regions);
+    free(flat);
+    free(x);
+    test_end();
+}
+
 /* Only smoothing: what the mesh connects stays, the least quality too, the mean of a measure rises; points of the
    cube stay on its sides and edges; threads change nothing. */
 static void test_smoothers(pbw_smoother smoother)
@@ -1062,6 +1160,10 @@ int main(int argc, char **argv)
     test_ball();
     test_distance();
     test_regions();
+    test_frozen(PBW_TETS_FIXED, 0, 0);
+    test_frozen(PBW_TETS_FROZEN, 0, 0);
+    test_frozen(PBW_TETS_FROZEN, 0.5, 0);
+    test_frozen(PBW_TETS_FROZEN, 0, 1);
     test_smoothers(PBW_SMOOTHER_ODT);
     test_smoothers(PBW_SMOOTHER_LLOYD);
     test_smoothers(PBW_SMOOTHER_LAPLACIAN);

@@ -64,7 +64,8 @@
      positive    every tetrahedron made is positively oriented, by exact signs
      kept        fixed points, feature edges, the edges given, regions and their interfaces, patches and their
                  borders; the boundary is as manifold as it was and has the same Euler number, and stays on the
-                 surface, to 25 degrees of its normals
+                 surface, to 25 degrees of its normals; facets of
+                 these between frozen points, to the bit
      same        the same bytes for the same input, whatever options.threads says (and unless a budget in seconds ends
                  it)
 
@@ -92,6 +93,8 @@ extern "C" {
 #define PBW_TETS_FOUND  0u                 /* marks of points: fixed on features, else as they lie */
 #define PBW_TETS_SLIDES 1u                 /* on the boundary: stays on the surface */
 #define PBW_TETS_FIXED  2u
+#define PBW_TETS_FROZEN 3u                 /* fixed; facets of the boundary, of interfaces and of patches between
+                                              frozen points stay, and so do edges to keep: none is divided */
 
 typedef struct pbw_tets {                  /* in: the caller's arrays; out: start from {0}, pbw_tets_free when done */
     size_t point_count, tet_count;
@@ -971,7 +974,7 @@ static int pbwim__breaks_constraint(const pbwim__mesh *m, const pbwim__change *c
     for (i = 0; i < 6 * change->olds && m->edge.count > 0; i++) {
         const pbw_index *c = m->corner.at[change->old[i / 6]];
         const pbw_index a = c[pbwim__edge[i % 6][0]], b = c[pbwim__edge[i % 6][1]];
-        if (m->mark.at[a] != PBW_TETS_FIXED || m->mark.at[b] != PBW_TETS_FIXED || !pbwim__is_kept(m, a, b)) {
+        if (m->mark.at[a] < PBW_TETS_FIXED || m->mark.at[b] < PBW_TETS_FIXED || !pbwim__is_kept(m, a, b)) {
             continue;
         }
         for (j = 0; j < change->news; j++) {
@@ -1142,6 +1145,33 @@ static int pbwim__is_border(const pbwim__mesh *m, const pbwim__ring *ring)
     return m->patched && !ring->closed && patch[0] != patch[1];
 }
 
+/* Returns whether the facet of t across from corner k is of the boundary, an interface or a patch, and frozen. */
+static int pbwim__is_frozen_facet(const pbwim__mesh *m, pbw_index t, int k)
+{
+    const pbw_index *c = m->corner.at[t], n = m->next.at[t][k];
+    const int *o = pbwim__opposite[k];
+    return (n == PBW_NONE || m->region.at[n] != m->region.at[t] || (m->patched && m->patch.at[t][k] != PBW_NONE))
+        && m->mark.at[c[o[0]]] == PBW_TETS_FROZEN && m->mark.at[c[o[1]]] == PBW_TETS_FROZEN
+        && m->mark.at[c[o[2]]] == PBW_TETS_FROZEN;
+}
+
+/* Returns whether one of those facets is at the ring's edge, or the edge is to be kept and has frozen ends. */
+static int pbwim__is_frozen(const pbwim__mesh *m, const pbwim__ring *ring)
+{
+    const unsigned char *mark = m->mark.at;
+    int i, k;
+    for (i = 0; i < ring->tets; i++) {
+        const pbw_index *c = m->corner.at[ring->tet[i]];
+        for (k = 0; k < 4; k++) {
+            if (c[k] != ring->a && c[k] != ring->b && pbwim__is_frozen_facet(m, ring->tet[i], k)) {
+                return 1;
+            }
+        }
+    }
+    return mark[ring->a] == PBW_TETS_FROZEN && mark[ring->b] == PBW_TETS_FROZEN
+        && pbwim__is_kept(m, ring->a, ring->b);
+}
+
 /* Returns whether the boundary edge of an open ring may be replaced by the edge between the ring's ends: it lies
    within a smooth part, and the new facets are smooth too. */
 static int pbwim__may_flip(pbwim__mesh *m, const pbwim__ring *ring)
@@ -1154,7 +1184,8 @@ static int pbwim__may_flip(pbwim__mesh *m, const pbwim__ring *ring)
     pbwsf__normal(m->x.at[b], m->x.at[a], m->x.at[last], n[1]);
     pbwsf__normal(m->x.at[a], m->x.at[last], m->x.at[first], n[2]);
     pbwsf__normal(m->x.at[b], m->x.at[first], m->x.at[last], n[3]);
-    if (!pbwim__turned_less(n[0], n[1], PBWIM__SMOOTH_COSINE) || pbwim__is_border(m, ring)) {
+    if (!pbwim__turned_less(n[0], n[1], PBWIM__SMOOTH_COSINE) || pbwim__is_border(m, ring)
+        || pbwim__is_frozen(m, ring)) {
         return 0;
     }
     for (i = 0; i < 3; i++) {
@@ -1456,7 +1487,7 @@ static int pbwim__smooth(pbwim__mesh *m, pbw_index p)
     double before[3], worst = 2, x[3], normal[3] = { 0, 0, 0 };
     const int slides = m->mark.at[p] == PBW_TETS_SLIDES;
     int count, i, k;
-    if (m->mark.at[p] == PBW_TETS_FIXED) {
+    if (m->mark.at[p] >= PBW_TETS_FIXED) {
         return 0;
     }
     count = pbwim__star_of(m, p, star);
@@ -1549,8 +1580,8 @@ static int pbwim__peel_stays_near(const pbwim__mesh *m, pbw_index t)
     return after <= fmax(m->distance, before);
 }
 
-/* Returns whether peeling t keeps patches and edges: its boundary facets are of one patch, its other facets of none,
-   and no edge of it is to be kept. */
+/* Returns whether peeling t keeps patches and edges: its boundary facets are of one patch and not frozen, its other
+   facets of none, and no edge of it is to be kept. */
 static int pbwim__peel_keeps_patches(const pbwim__mesh *m, pbw_index t)
 {
     const pbw_index *c = m->corner.at[t], *next = m->next.at[t];
@@ -1559,6 +1590,11 @@ static int pbwim__peel_keeps_patches(const pbwim__mesh *m, pbw_index t)
         const pbw_index *patch = m->patch.at[t];
         first = next[i] == PBW_NONE && first < 0 ? i : first;
         if (next[i] == PBW_NONE ? patch[i] != patch[first] : patch[i] != PBW_NONE) {
+            return 0;
+        }
+    }
+    for (i = 0; i < 4; i++) {
+        if (pbwim__is_frozen_facet(m, t, i)) {
             return 0;
         }
     }
@@ -1732,7 +1768,7 @@ static int pbwim__contract_to(pbwim__mesh *m, pbw_index t, pbw_index p, pbw_inde
     int i;
     ring.a = p;
     ring.b = q;
-    if (m->mark.at[p] == PBW_TETS_FIXED || !pbwim__walk_ring(m, t, &ring) || (slides && ring.closed)) {
+    if (m->mark.at[p] >= PBW_TETS_FIXED || !pbwim__walk_ring(m, t, &ring) || (slides && ring.closed)) {
         return 0;
     }
     change.halves = 0;
@@ -2002,7 +2038,8 @@ static int pbwim__split(pbwim__mesh *m, pbw_index t)
         }
         pbwsf__normal(m->x.at[ring.a], m->x.at[ring.b], m->x.at[ring.corner[0]], n[0]);
         pbwsf__normal(m->x.at[ring.b], m->x.at[ring.a], m->x.at[ring.corner[ring.corners - 1]], n[1]);
-        if (!ring.closed && (!pbwim__turned_less(n[0], n[1], PBWIM__SMOOTH_COSINE) || pbwim__is_border(m, &ring))) {
+        if (!ring.closed && (!pbwim__turned_less(n[0], n[1], PBWIM__SMOOTH_COSINE) || pbwim__is_border(m, &ring)
+                             || pbwim__is_frozen(m, &ring))) {
             continue;
         }
         pbwsf__between(m->x.at[ring.a], m->x.at[ring.b], 0.5, x);
@@ -2167,6 +2204,11 @@ static pbw_status pbwim__check_orientation(pbwim__mesh *m)
     return PBW_OK;
 }
 
+static void pbwim__fix(pbwim__mesh *m, pbw_index p)
+{
+    m->mark.at[p] = m->mark.at[p] == PBW_TETS_FROZEN ? PBW_TETS_FROZEN : PBW_TETS_FIXED;
+}
+
 /* Fixes the ends of boundary edges that have an angle above the feature angle, or not exactly two facets; with
    borders, of edges between patches.  edge: each boundary facet three times, sorted by edges. */
 static void pbwim__fix_features(pbwim__mesh *m, const pbwim__facet *edge, size_t count, double cosine, int borders)
@@ -2187,8 +2229,8 @@ static void pbwim__fix_features(pbwim__mesh *m, const pbwim__facet *edge, size_t
             fixed = !pbwim__turned_less(n[0], n[1], cosine);
         }
         if (fixed) {
-            m->mark.at[edge[i].v[0]] = PBW_TETS_FIXED;
-            m->mark.at[edge[i].v[1]] = PBW_TETS_FIXED;
+            pbwim__fix(m, edge[i].v[0]);
+            pbwim__fix(m, edge[i].v[1]);
         }
     }
 }
@@ -2266,7 +2308,7 @@ static void pbwim__fix_patches(pbwim__mesh *m)
             if (n != PBW_NONE && patch != PBW_NONE) {
                 m->patch.at[n][pbwim__facet_to(m, n, (pbw_index)t)] = patch;
                 for (k = 0; k < 3; k++) {
-                    m->mark.at[m->corner.at[t][pbwim__opposite[i][k]]] = PBW_TETS_FIXED;
+                    pbwim__fix(m, m->corner.at[t][pbwim__opposite[i][k]]);
                 }
             }
         }
@@ -2299,7 +2341,8 @@ static pbw_status pbwim__load_edges(pbwim__mesh *m, const pbw_tets *in)
         e = pbwim__find_edge(m, c[pbwim__edge[i % 6][0]], c[pbwim__edge[i % 6][1]]);
         if (e->a != PBW_NONE) {
             found[e->origin] = 1;
-            m->mark.at[e->a] = m->mark.at[e->b] = PBW_TETS_FIXED;
+            pbwim__fix(m, e->a);
+            pbwim__fix(m, e->b);
         }
     }
     for (e = m->edge.at, i = m->edge.capacity; i-- > 0; e++) {
@@ -2328,7 +2371,8 @@ static pbw_status pbwim__set_marks(pbwim__mesh *m, const pbw_tets *in, double co
     pbwim__fix_joints(m, sorting->first.at);
     for (i = 0; in->marks != NULL && i < m->points; i++) {
         const unsigned char mark = in->marks[i];
-        if (mark == PBW_TETS_FIXED || (mark == PBW_TETS_SLIDES && m->mark.at[i] != PBW_TETS_FOUND)) {
+        if (mark == PBW_TETS_FIXED || mark == PBW_TETS_FROZEN
+            || (mark == PBW_TETS_SLIDES && m->mark.at[i] != PBW_TETS_FOUND)) {
             m->mark.at[i] = mark;
         }
     }
@@ -2647,7 +2691,7 @@ static int pbwim__colour(const pbwim__smoothing *s, pbw_index p)
     char used[PBWIM__COLOURS + 1] = { 0 };
     size_t i;
     int k;
-    if (s->m->mark.at[p] == PBW_TETS_FIXED || first[p + 1] - first[p] > PBWIM__MOST
+    if (s->m->mark.at[p] >= PBW_TETS_FIXED || first[p + 1] - first[p] > PBWIM__MOST
         || first[p + 1] == first[p]) {
         return PBWIM__COLOURS;
     }
@@ -3157,7 +3201,7 @@ static int pbwim__halve(pbwim__mesh *m, pbw_index t, int e)
     unsigned char mark;
     ring.a = m->corner.at[t][pbwim__edge[e][0]];
     ring.b = m->corner.at[t][pbwim__edge[e][1]];
-    if (!pbwim__walk_ring(m, t, &ring)
+    if (!pbwim__walk_ring(m, t, &ring) || pbwim__is_frozen(m, &ring)
         || (ring.a < m->joint.capacity - 1 && joint[ring.a] && ring.b < m->joint.capacity - 1 && joint[ring.b])) {
         return 0;                                    /* there may be another ring */
     }
