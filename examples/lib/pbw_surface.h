@@ -1,4 +1,4 @@
-/* pbw_surface.h - v0.2.0 - nearest points, crossings and the inside of a triangulated surface - MIT-0
+/* pbw_surface.h - v0.2.0 - nearest points, faults and the inside of a triangulated surface - MIT-0
 
    QUICK START
    In one source file, define PBW_SURFACE_IMPLEMENTATION before the include; in all others, only include.
@@ -11,12 +11,20 @@
        pbw_surface_inside(&surface, p);                              // 1: p is inside of a closed surface
        pbw_surface_free(&surface);
 
+       pbw_surface_faults faults = {0};
+       pbw_surface_crossings(points, point_count, triangles, triangle_count, NULL, &faults);
+       // triangles faults.crossings[0] and [1] meet, from faults.segments[0..2] to [3..5]
+       pbw_surface_faults_free(&faults);
+
    CONTENTS  (search for the marks)
      >>interface    types and functions
      >>arrays       types of growing arrays
      >>vectors      vectors and triangles in space
      >>tree         boxes over the triangles
      >>queries      nearest places, crossings, the inside
+     >>welding      corners by place, edges, triangles given twice
+     >>crossings    triangles that meet where they may not
+     >>faults       all that is wrong with a surface
      >>seam         private names that other headers use
 
    FUNCTIONS
@@ -27,6 +35,8 @@
      pbw_surface_turns    how many shells are around a point, exactly
      pbw_surface_winding  the winding number, of open surfaces too
      pbw_surface_free     frees the tree
+     pbw_surface_crossings    what is wrong with a surface: triangles that meet, and other faults
+     pbw_surface_faults_free  frees what it found
 
    HOW
    Boxes in a binary tree over the triangles in the order of a Hilbert curve: leaves of four triangles, all levels
@@ -38,6 +48,8 @@
      inside      exact for a closed surface: the parity of a ray is counted by exact signs, and a ray through edges or
                  corners is perturbed symbolically
      closest     the nearest point up to rounding
+     crossings   exactly the pairs that meet, by exact signs: nearly touching is no fault.  The same lists for any
+                 number of threads (tests/test_crossings.c)
      bounded     no recursion; at most 110 bytes a triangle beside the caller's arrays
 
    CONFIGURATION MACROS
@@ -89,6 +101,34 @@ PBWSURFACEDEF long pbw_surface_turns(const pbw_surface *surface, const double p[
    alike. Far parts are approximated by dipoles: the error is about 0.01. */
 PBWSURFACEDEF double pbw_surface_winding(const pbw_surface *surface, const double p[3]);
 PBWSURFACEDEF void pbw_surface_free(pbw_surface *surface);   /* fine on {0}, fine twice */
+
+/* What is wrong with a surface.  Corners are compared by place, so that triangles with points of their own, as .stl
+   files have them, are one surface: two triangles may meet in whole edges and corners that both have, and nowhere
+   else.  Lists ascend; they name the caller's triangles and points, of several points at one place the first. */
+typedef struct pbw_surface_faults {        /* start from {0}; pbw_surface_faults_free when done */
+    size_t crossing_count;                 /* pairs of triangles that meet elsewhere; not of those of the two lists
+                                              below */
+    const pbw_index *crossings;            /* 2 a pair, the lower one first */
+    const double *segments;                /* 6 a pair: what the two have in common, from one point to another, or the
+                                              same twice, rounded; of two in one plane the ends of a longest part */
+    size_t flat_count;
+    const pbw_index *flat;                 /* triangles without area */
+    size_t duplicate_count;
+    const pbw_index *duplicates;           /* 2 each: a triangle, and the first one with the same corners */
+    size_t edge_count;                     /* edges without exactly two triangles, one each way round */
+    const pbw_index *edges;                /* 2 points each, the lower one first */
+    const pbw_index *edge_triangles;       /* how many triangles each has: 1, open; 2, turned alike; or more */
+    size_t repeated_count;                 /* no fault here, but other programs may take it for one */
+    const pbw_index *repeated;             /* 2 each: a point, and the first one at its place */
+    void *memory;                          /* private */
+} pbw_surface_faults;
+
+/* Finds them.  Returns what pbw_surface_create returns, PBW_CANCELLED, or PBW_ERROR_TOO_LARGE for more than 2^32 / 3
+   triangles; faults are empty then.  Progress is PBW_STAGE_WORK.  Holds up to 150 bytes a triangle meanwhile. */
+PBWSURFACEDEF pbw_status pbw_surface_crossings(const double *points, size_t point_count, const pbw_index *triangles,
+                                               size_t triangle_count, const pbw_options *options,
+                                               pbw_surface_faults *faults);
+PBWSURFACEDEF void pbw_surface_faults_free(pbw_surface_faults *faults);      /* fine on {0}, fine twice */
 
 #ifdef __cplusplus
 }
@@ -236,12 +276,13 @@ static void pbwsf__box_add(pbwsf__box *box, const double low[3], const double hi
     }
 }
 
-static void pbwsf__fill_boxes(const pbw_surface *s, pbwsf__tree *tree)
+/* Fills the boxes of nodes from .. to - 1; those of their children are filled. */
+static void pbwsf__fill_boxes(const pbw_surface *s, pbwsf__tree *tree, size_t from, size_t to)
 {
     pbwsf__box *box = tree->boxes.at;
     const pbw_index *order = tree->order.at;
     size_t i, k;
-    for (i = tree->nodes; i-- > 0;) {
+    for (i = to; i-- > from;) {
         pbwsf__box_clear(box + i);
         if (i < tree->first_leaf) {
             pbwsf__box_add(box + i, box[2 * i + 1].low, box[2 * i + 1].high);
@@ -295,37 +336,40 @@ static pbw_status pbwsf__sort(const pbw_surface *s, const pbw_options *options, 
     return status;
 }
 
-static pbw_status pbwsf__build(const pbw_options *options, pbw_surface *surface)
+/* Makes room for the boxes.  Returns 0 if there is no memory. */
+static int pbwsf__plant(pbw_memory *memory, const pbw_surface *surface, pbwsf__tree *tree)
 {
-    pbwsf__tree *tree = (pbwsf__tree *)surface->memory;
-    pbw_status status = pbwsf__sort(surface, options, tree);
     size_t leaves = 1;
     while (leaves * PBWSF__LEAF < surface->triangle_count) {
         leaves *= 2;
     }
     tree->first_leaf = leaves - 1;
     tree->nodes = 2 * leaves - 1;
+    return PBW_FIT(memory, tree->boxes, tree->nodes);
+}
+
+static pbw_status pbwsf__build(const pbw_options *options, pbw_surface *surface)
+{
+    pbwsf__tree *tree = (pbwsf__tree *)surface->memory;
+    const pbw_status status = pbwsf__sort(surface, options, tree);
     if (status != PBW_OK) {
         return status;
     }
-    if (!PBW_FIT(&tree->memory, tree->boxes, tree->nodes)) {
+    if (!pbwsf__plant(&tree->memory, surface, tree)) {
         return PBW_ERROR_MEMORY;
     }
-    pbwsf__fill_boxes(surface, tree);
+    pbwsf__fill_boxes(surface, tree, 0, tree->nodes);
     return PBW_OK;
 }
 
-PBWSURFACEDEF pbw_status pbw_surface_create(const double *points, size_t point_count, const pbw_index *triangles,
-                                            size_t triangle_count, const pbw_options *options, pbw_surface *surface)
+/* Returns PBW_OK if ids are in range and coordinates finite. */
+static pbw_status pbwsf__check_input(const double *points, size_t point_count, const pbw_index *triangles,
+                                     size_t triangle_count)
 {
-    pbw_memory memory;
-    pbwsf__tree *tree;
-    pbw_status status;
     size_t i;
-    if (surface == NULL || (triangle_count > 0 && (points == NULL || triangles == NULL))) {
+    if ((point_count > 0 && points == NULL) || (triangle_count > 0 && triangles == NULL)) {
         return PBW_ERROR_ARGUMENT;
     }
-    memset(surface, 0, sizeof *surface);
     for (i = 0; i < 3 * triangle_count; i++) {
         if (triangles[i] >= point_count) {
             return PBW_ERROR_ARGUMENT;
@@ -335,6 +379,23 @@ PBWSURFACEDEF pbw_status pbw_surface_create(const double *points, size_t point_c
         if (!(fabs(points[i]) <= 1e300)) {
             return PBW_ERROR_NOT_FINITE;
         }
+    }
+    return PBW_OK;
+}
+
+PBWSURFACEDEF pbw_status pbw_surface_create(const double *points, size_t point_count, const pbw_index *triangles,
+                                            size_t triangle_count, const pbw_options *options, pbw_surface *surface)
+{
+    pbw_memory memory;
+    pbwsf__tree *tree;
+    pbw_status status;
+    if (surface == NULL) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    memset(surface, 0, sizeof *surface);
+    status = pbwsf__check_input(points, point_count, triangles, triangle_count);
+    if (status != PBW_OK) {
+        return status;
     }
     pbw_memory_start(&memory, options);
     tree = (pbwsf__tree *)pbw_memory_resize(&memory, NULL, 0, 1, sizeof *tree);
@@ -730,6 +791,819 @@ PBWSURFACEDEF double pbw_surface_winding(const pbw_surface *surface, const doubl
         }
     }
     return sum;
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   >>welding      Corners by place, edges, triangles given twice.
+   In: points and triangles.  Out: the faults of edges, the points that repeat a place, the triangles given twice, and
+   the order of the others.
+   Holds: a place is numbered along a Hilbert curve through the points.  Side 3 t + k of triangle t runs from its
+   corner k to the next one.
+   ------------------------------------------------------------------------------------------------------ */
+typedef PBW_ARRAY(uint64_t) pbwsf__keys;
+
+typedef struct pbwsf__found {              /* what pbw_surface_faults shows */
+    pbw_memory memory;
+    pbwsf__indices crossings, flat, duplicates, edges, edge_triangles, repeated;
+    pbwsf__numbers segments;
+} pbwsf__found;
+
+typedef struct pbwsf__search {
+    pbw_memory *memory;
+    pbwsf__found *found;
+    const pbw_options *given;
+    pbw_options options;                   /* for calls inside */
+    double done, share;                    /* progress: of the parts before, of the part that runs */
+    const double *points;
+    const pbw_index *triangles;
+    size_t point_count, triangle_count;
+    pbwsf__indices rank, first;            /* per point: its place; per place: the first point there */
+    pbwsf__vectors places;
+    pbwsf__indices corners, sides, room, start;      /* corners: places; sides: sorted; start: for sorting them */
+    int pass;                              /* of the sort */
+    pbwsf__flags flat;                     /* per triangle */
+    pbw_surface surface;                   /* the triangles that may cross, with places as points */
+    pbwsf__tree tree;                      /* of that surface */
+    double least;                          /* see pbwsf__side_of */
+    PBW_ARRAY(pbwsf__keys) pairs;          /* per range of leaves: pairs of triangles that meet elsewhere */
+} pbwsf__search;
+
+static int pbwsf__search_progress(void *user, pbw_stage stage, double done)
+{
+    const pbwsf__search *s = (const pbwsf__search *)user;
+    (void)stage;
+    return s->given->progress(s->given->progress_user, PBW_STAGE_WORK, fmin(1, s->done + s->share * done));
+}
+
+/* Returns the options of the next part of the work; ordered: on one thread, range after range. */
+static const pbw_options *pbwsf__next_part(pbwsf__search *s, double share, int ordered)
+{
+    s->done += s->share;
+    s->share = share;
+    memset(&s->options, 0, sizeof s->options);
+    if (s->given != NULL) {
+        s->options = *s->given;
+        s->options.flags = 0;
+        s->options.stride = 0;
+        s->options.backend = NULL;
+        s->options.trace = NULL;
+        s->options.progress = s->given->progress != NULL ? pbwsf__search_progress : NULL;
+        s->options.progress_user = s;
+    }
+    if (ordered) {
+        s->options.threads = 1;
+        s->options.run = NULL;
+    }
+    s->options.memory_limit = pbw_memory_left(s->memory);
+    return &s->options;
+}
+
+/* Calls body range after range, so that it may count and append. */
+static pbw_status pbwsf__in_order(pbwsf__search *s, double share, size_t count, pbw_body *body)
+{
+    return pbw_for(pbwsf__next_part(s, share, 1), count, 65536, body, s);
+}
+
+static int pbwsf__same_place(const double *p, const double *q)
+{
+    return p[0] <= q[0] && p[0] >= q[0] && p[1] <= q[1] && p[1] >= q[1] && p[2] <= q[2] && p[2] >= q[2];
+}
+
+/* room: the order of the points. */
+static pbw_status pbwsf__weld_range(void *arg, size_t from, size_t to)
+{
+    pbwsf__search *s = (pbwsf__search *)arg;
+    for (; from < to; from++) {
+        const pbw_index point = s->room.at[from];
+        const double *p = s->points + 3 * (size_t)point;
+        if (from == 0 || !pbwsf__same_place(p, s->places.at[s->first.count - 1])) {
+            memcpy(s->places.at[s->first.count], p, sizeof *s->places.at);
+            s->first.at[s->first.count++] = point;
+        }
+        s->rank.at[point] = (pbw_index)(s->first.count - 1);
+    }
+    return PBW_OK;
+}
+
+static pbw_status pbwsf__repeated_range(void *arg, size_t from, size_t to)
+{
+    pbwsf__search *s = (pbwsf__search *)arg;
+    for (; from < to; from++) {
+        const pbw_index first = s->first.at[s->rank.at[from]];
+        if (first != from && (!PBW_PUSH(s->memory, s->found->repeated, (pbw_index)from)
+                              || !PBW_PUSH(s->memory, s->found->repeated, first))) {
+            return PBW_ERROR_MEMORY;
+        }
+    }
+    return PBW_OK;
+}
+
+static pbw_status pbwsf__corner_range(void *arg, size_t from, size_t to)
+{
+    pbwsf__search *s = (pbwsf__search *)arg;
+    for (; from < to; from++) {
+        s->corners.at[from] = s->rank.at[s->triangles[from]];
+        s->sides.at[from] = (pbw_index)from;
+    }
+    return PBW_OK;
+}
+
+/* Numbers the places, and fills the corners. */
+static pbw_status pbwsf__weld(pbwsf__search *s)
+{
+    const size_t points = s->point_count, corners = 3 * s->triangle_count;
+    pbw_status status = PBW_ERROR_MEMORY;
+    if (PBW_FIT(s->memory, s->room, points + 1) && PBW_FIT(s->memory, s->rank, points + 1)
+        && PBW_FIT(s->memory, s->first, points + 1) && PBW_FIT(s->memory, s->places, points + 1)) {
+        status = pbw_order(3, s->points, points, pbwsf__next_part(s, 0.2, 0), s->room.at);
+        status = status == PBW_DEGENERATE ? PBW_OK : status;
+    }
+    status = status != PBW_OK ? status : pbwsf__in_order(s, 0.05, points, pbwsf__weld_range);
+    status = status != PBW_OK ? status : pbwsf__in_order(s, 0.02, points, pbwsf__repeated_range);
+    PBW_RELEASE(s->memory, s->room);
+    if (status == PBW_OK && (!PBW_FIT(s->memory, s->corners, corners + 1) || !PBW_FIT(s->memory, s->sides, corners + 1)
+                             || !PBW_FIT(s->memory, s->places, s->first.count + 1))) {
+        status = PBW_ERROR_MEMORY;
+    }
+    status = status != PBW_OK ? status : pbwsf__in_order(s, 0.03, corners, pbwsf__corner_range);
+    PBW_RELEASE(s->memory, s->rank);
+    return status;
+}
+
+/* The places of a side, the lower one first, and across from it. */
+static void pbwsf__side_places(const pbwsf__search *s, pbw_index side, pbw_index out[3])
+{
+    const pbw_index k = side % 3, *c = s->corners.at + (side - k);
+    const pbw_index a = c[k], b = c[k == 2 ? 0 : k + 1];
+    out[0] = a < b ? a : b;
+    out[1] = a < b ? b : a;
+    out[2] = c[k == 0 ? 2 : k - 1];
+}
+
+static pbw_status pbwsf__count_range(void *arg, size_t from, size_t to)
+{
+    pbwsf__search *s = (pbwsf__search *)arg;
+    pbw_index v[3];
+    for (; from < to; from++) {
+        pbwsf__side_places(s, (pbw_index)from, v);
+        s->start.at[(size_t)v[s->pass] + 1]++;
+    }
+    return PBW_OK;
+}
+
+static pbw_status pbwsf__place_range(void *arg, size_t from, size_t to)
+{
+    pbwsf__search *s = (pbwsf__search *)arg;
+    pbw_index v[3];
+    for (; from < to; from++) {
+        pbwsf__side_places(s, s->sides.at[from], v);
+        s->room.at[s->start.at[v[s->pass]]++] = s->sides.at[from];
+    }
+    return PBW_OK;
+}
+
+/* Sorts the sides by the places of their edges, then by those across, then by number: a sort by counting for each
+   place, the last one first. */
+static pbw_status pbwsf__sort_sides(pbwsf__search *s)
+{
+    const size_t count = 3 * s->triangle_count, places = s->first.count;
+    pbw_status status = PBW_FIT(s->memory, s->room, count + 1) && PBW_FIT(s->memory, s->start, places + 1)
+                      ? PBW_OK : PBW_ERROR_MEMORY;
+    for (s->pass = 2; s->pass >= 0 && status == PBW_OK; s->pass--) {
+        pbwsf__indices swap;
+        size_t i;
+        memset(s->start.at, 0, (places + 1) * sizeof *s->start.at);
+        status = pbwsf__in_order(s, 0.03, count, pbwsf__count_range);
+        for (i = 1; i <= places; i++) {
+            s->start.at[i] += s->start.at[i - 1];
+        }
+        status = status != PBW_OK ? status : pbwsf__in_order(s, 0.05, count, pbwsf__place_range);
+        swap = s->sides;
+        s->sides = s->room;
+        s->room = swap;
+    }
+    PBW_RELEASE(s->memory, s->room);
+    PBW_RELEASE(s->memory, s->start);
+    return status;
+}
+
+/* Sides from .. end - 1 are of one edge, v.  Lists the edge if it is faulty. */
+static int pbwsf__list_edge(pbwsf__search *s, const pbw_index v[3], size_t from, size_t end)
+{
+    pbwsf__found *f = s->found;
+    const pbw_index a = s->first.at[v[0]], b = s->first.at[v[1]];
+    size_t i, forward = 0;
+    for (i = from; i < end; i++) {
+        forward += s->corners.at[s->sides.at[i]] == v[0];
+    }
+    return v[0] == v[1] || (end - from == 2 && forward == 1)
+        || (PBW_PUSH(s->memory, f->edges, a < b ? a : b) && PBW_PUSH(s->memory, f->edges, a < b ? b : a)
+            && PBW_PUSH(s->memory, f->edge_triangles, (pbw_index)(end - from)));
+}
+
+/* Of sides from .. end - 1 of one edge, v, those whose third corner is the last: lists triangles given twice, and the
+   others, if they have area, in the order of the tree. */
+static int pbwsf__list_triangles(pbwsf__search *s, const pbw_index v[3], size_t from, size_t end)
+{
+    pbw_index across = PBW_NONE, first = 0, w[3];
+    int good = 1;
+    for (; from < end && good && v[0] != v[1]; from++) {
+        const pbw_index t = s->sides.at[from] / 3;
+        pbwsf__side_places(s, s->sides.at[from], w);
+        if (w[2] <= w[1]) {
+            continue;
+        }
+        if (w[2] == across) {
+            good = PBW_PUSH(s->memory, s->found->duplicates, t) && PBW_PUSH(s->memory, s->found->duplicates, first);
+            continue;
+        }
+        across = w[2];
+        first = t;
+        if (!s->flat.at[t]) {
+            s->tree.order.at[s->tree.order.count++] = t;
+        }
+    }
+    return good;
+}
+
+static pbw_status pbwsf__edge_range(void *arg, size_t from, size_t to)
+{
+    pbwsf__search *s = (pbwsf__search *)arg;
+    const size_t count = 3 * s->triangle_count;
+    pbw_index v[3], w[3];
+    size_t end;
+    for (; from < to; from = end) {
+        int begins = from == 0;
+        pbwsf__side_places(s, s->sides.at[from], v);
+        if (!begins) {
+            pbwsf__side_places(s, s->sides.at[from - 1], w);
+            begins = v[0] != w[0] || v[1] != w[1];
+        }
+        for (end = from + 1; end < count; end++) {
+            pbwsf__side_places(s, s->sides.at[end], w);
+            if (v[0] != w[0] || v[1] != w[1]) {
+                break;
+            }
+        }
+        if (begins && (!pbwsf__list_edge(s, v, from, end) || !pbwsf__list_triangles(s, v, from, end))) {
+            return PBW_ERROR_MEMORY;
+        }
+    }
+    return PBW_OK;
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   >>crossings    Triangles that meet where they may not.
+   In: triangles with area, no two with the same corners.  Out: pairs of them, and what they have in common.
+   Two triangles meet in a convex set.  If they have a corner in common and meet elsewhere, too, that set reaches from
+   the corner to the side across in one of them; if they have none, it ends at a side of one.  So it is enough to
+   test these sides against the other triangle; two with two corners in common must lie in one plane, on one side.
+   ------------------------------------------------------------------------------------------------------ */
+typedef struct pbwsf__triangle {
+    const double *x[3];
+    pbw_index c[3], id;                    /* places; its number */
+    double low[3], high[3];
+    double n[3], size[3];                  /* normal; sums of the products' absolute values in it; size[0] < 0: not
+                                              computed */
+} pbwsf__triangle;
+
+static void pbwsf__load_triangle(const pbwsf__search *s, pbw_index id, pbwsf__triangle *t)
+{
+    int k, i;
+    t->id = id;
+    t->size[0] = -1;
+    for (i = 0; i < 3; i++) {
+        t->c[i] = s->corners.at[3 * (size_t)id + (size_t)i];
+        t->x[i] = s->places.at[t->c[i]];
+    }
+    for (k = 0; k < 3; k++) {
+        const double a = t->x[0][k], b = t->x[1][k], c = t->x[2][k], low = a < b ? a : b, high = a < b ? b : a;
+        t->low[k] = c < low ? c : low;
+        t->high[k] = c > high ? c : high;
+    }
+}
+
+/* Returns pbw_orient3 of a triangle and p.  The filter is that of Shewchuk 1997, "Adaptive Precision Floating-Point
+   Arithmetic and Fast Robust Geometric Predicates", 4.3: of the determinant of three differences the rounding error
+   is at most (7 + 56 2^-53) 2^-53 < 8e-16 times the sum of absolute values.  Coordinates below 1e90 overflow nowhere;
+   products of two below 2^-1022 are off by 2^-1075 each, which six differences below 2e90 make at most 1e-232, so
+   that s->least, 1e-230, covers it; s->least is infinite for larger coordinates. */
+static int pbwsf__side_of(const pbwsf__search *s, pbwsf__triangle *t, const double *p)
+{
+    const double *a = t->x[0];
+    double d[3], value, error;
+    if (t->size[0] < 0) {
+        double u[3], v[3];
+        int k;
+        pbwsf__minus(t->x[1], a, u);
+        pbwsf__minus(t->x[2], a, v);
+        pbwsf__cross(u, v, t->n);
+        for (k = 0; k < 3; k++) {
+            const int i = (k + 1) % 3, j = (k + 2) % 3;
+            t->size[k] = fabs(u[i] * v[j]) + fabs(u[j] * v[i]);
+        }
+    }
+    pbwsf__minus(p, a, d);
+    value = pbwsf__dot(t->n, d);
+    error = 8e-16 * (t->size[0] * fabs(d[0]) + t->size[1] * fabs(d[1]) + t->size[2] * fabs(d[2])) + s->least;
+    return value > error ? 1 : value < -error ? -1 : pbw_orient3(a, t->x[1], t->x[2], p);
+}
+
+/* Returns pbw_orient2 of three points seen along an axis. */
+static int pbwsf__turn(int axis, const double *a, const double *b, const double *c)
+{
+    const int i = (axis + 1) % 3, j = (axis + 2) % 3;
+    const double p[2] = { a[i], a[j] }, q[2] = { b[i], b[j] }, r[2] = { c[i], c[j] };
+    return pbw_orient2(p, q, r);
+}
+
+/* Returns an axis along which the triangle has area, and its sign there; 3 if it has none. */
+static int pbwsf__axis_of(const double *const x[3], int *sign)
+{
+    int axis = 0;
+    while (axis < 3 && (*sign = pbwsf__turn(axis, x[0], x[1], x[2])) == 0) {
+        axis++;
+    }
+    return axis;
+}
+
+/* Returns whether a segment in the plane of a triangle meets it: they are apart if both ends are beyond one side, or
+   all corners are on one side of the segment; these are the sides of the polygon of differences. */
+static int pbwsf__flat_meets(const double *const x[3], const double *a, const double *b)
+{
+    int sign, axis = pbwsf__axis_of(x, &sign), turn[3], k;
+    for (k = 0; k < 3; k++) {
+        const double *p = x[k], *q = x[(k + 1) % 3];
+        turn[k] = pbwsf__turn(axis, a, b, p);
+        if (pbwsf__turn(axis, p, q, a) * sign < 0 && pbwsf__turn(axis, p, q, b) * sign < 0) {
+            return 0;
+        }
+    }
+    return turn[0] == 0 || turn[1] != turn[0] || turn[2] != turn[0];
+}
+
+/* Returns whether a segment meets a triangle; above, below: the sides of its ends. */
+static int pbwsf__segment_meets(const double *const x[3], const double *a, const double *b, int above, int below)
+{
+    int sign[3], k;
+    if (above * below > 0) {
+        return 0;
+    }
+    if (above == 0 && below == 0) {
+        return pbwsf__flat_meets(x, a, b);
+    }
+    for (k = 0; k < 3; k++) {
+        sign[k] = pbw_orient3(a, b, x[k], x[(k + 1) % 3]);
+    }
+    return !((sign[0] > 0 || sign[1] > 0 || sign[2] > 0) && (sign[0] < 0 || sign[1] < 0 || sign[2] < 0));
+}
+
+/* Returns whether the box around the side of t across from corner k is apart from the box of u. */
+static int pbwsf__side_apart(const pbwsf__triangle *t, int k, const pbwsf__triangle *u)
+{
+    const double *a = t->x[(k + 1) % 3], *b = t->x[(k + 2) % 3];
+    int i;
+    for (i = 0; i < 3; i++) {
+        if ((a[i] < u->low[i] && b[i] < u->low[i]) || (a[i] > u->high[i] && b[i] > u->high[i])) {
+            return 1;
+        }
+    }
+    return 0;
+}
+
+/* Fills in the sides of u's corners to the plane of t, 0 for corner `common`.  Returns whether the others are all on
+   one side. */
+static int pbwsf__all_beyond(const pbwsf__search *s, pbwsf__triangle *t, const pbwsf__triangle *u, int common,
+                             int side[3])
+{
+    int k, least = 1, most = -1;
+    for (k = 0; k < 3; k++) {
+        side[k] = k == common ? 0 : pbwsf__side_of(s, t, u->x[k]);
+        least = k != common && side[k] < least ? side[k] : least;
+        most = k != common && side[k] > most ? side[k] : most;
+    }
+    return least > 0 || most < 0;
+}
+
+/* Returns whether a side of t meets u; of those at corner `common` only the one across.  side: of t's corners to the
+   plane of u. */
+static int pbwsf__sides_meet(const pbwsf__triangle *t, const int side[3], int common, const pbwsf__triangle *u)
+{
+    int k;
+    for (k = 0; k < 3; k++) {
+        const int i = (k + 1) % 3, j = (k + 2) % 3;
+        if ((common < 0 || k == common) && pbwsf__segment_meets(u->x, t->x[i], t->x[j], side[i], side[j])) {
+            return 1;
+        }
+    }
+    return 0;
+}
+
+/* Returns whether two triangles that share side p q, with the corners a and b across, lie on each other: one plane,
+   one side of p q. */
+static int pbwsf__folded(const double *p, const double *q, const double *a, const double *b)
+{
+    const double *x[3];
+    int sign, axis;
+    x[0] = p, x[1] = q, x[2] = a;
+    axis = pbwsf__axis_of(x, &sign);
+    return pbwsf__turn(axis, p, q, b) == sign;
+}
+
+/* Returns whether two triangles whose boxes meet have more in common than corners and sides. */
+static int pbwsf__meet(const pbwsf__search *s, pbwsf__triangle *t, pbwsf__triangle *u)
+{
+    int i, j, common = 0, in_t = -1, in_u = -1, sum_t = 0, sum_u = 0, of_t[3], of_u[3];
+    for (i = 0; i < 3; i++) {
+        for (j = 0; j < 3; j++) {
+            if (t->c[i] == u->c[j]) {
+                common++;
+                in_t = i, in_u = j;
+                sum_t += i, sum_u += j;
+            }
+        }
+    }
+    if (common == 2) {                               /* 3 - sum: the corners across */
+        const double *far = u->x[3 - sum_u];
+        return pbwsf__side_of(s, t, far) == 0
+            && pbwsf__folded(t->x[(4 - sum_t) % 3], t->x[(5 - sum_t) % 3], t->x[3 - sum_t], far);
+    }
+    if (common == 1 && pbwsf__side_apart(t, in_t, u) && pbwsf__side_apart(u, in_u, t)) {
+        return 0;
+    }
+    return !pbwsf__all_beyond(s, t, u, in_u, of_u) && !pbwsf__all_beyond(s, u, t, in_t, of_t)
+        && (pbwsf__sides_meet(t, of_t, in_t, u) || pbwsf__sides_meet(u, of_u, in_u, t));
+}
+
+/* Tests t against u, and keeps the pair if they meet. */
+static int pbwsf__test_pair(const pbwsf__search *s, pbwsf__triangle *t, pbwsf__triangle *u, pbwsf__keys *pairs)
+{
+    const uint64_t low = t->id < u->id ? t->id : u->id, high = t->id < u->id ? u->id : t->id;
+    return t->low[0] > u->high[0] || t->high[0] < u->low[0] || t->low[1] > u->high[1] || t->high[1] < u->low[1]
+        || t->low[2] > u->high[2] || t->high[2] < u->low[2] || !pbwsf__meet(s, t, u)
+        || PBW_PUSH(s->memory, *pairs, low << 32 | high);
+}
+
+/* Tests the triangles of a leaf against each other and those of later leaves. */
+static int pbwsf__test_leaf(const pbwsf__search *s, size_t leaf, pbwsf__keys *pairs)
+{
+    const pbwsf__box *box = s->tree.boxes.at + leaf;
+    const pbw_index *order = s->tree.order.at;
+    const size_t from = pbwsf__first_of(&s->tree, leaf), count = pbwsf__end_of(&s->surface, &s->tree, leaf) - from;
+    pbwsf__triangle own[PBWSF__LEAF], other;
+    pbwsf__walk walk;
+    size_t i, k;
+    int good = 1;
+    for (i = 0; i < count; i++) {
+        pbwsf__load_triangle(s, order[from + i], own + i);
+        for (k = 0; k < i; k++) {
+            good = good && pbwsf__test_pair(s, own + k, own + i, pairs);
+        }
+    }
+    walk.surface = &s->surface;
+    memcpy(walk.low, box->low, sizeof walk.low);
+    memcpy(walk.high, box->high, sizeof walk.high);
+    walk.depth = 0;
+    for (i = leaf; i > 0; i = (i - 1) / 2) {         /* the nodes on the right of the way up */
+        if (i % 2 == 1) {
+            walk.stack[walk.depth++] = i + 1;
+        }
+    }
+    while (good && pbwsf__next_leaf(&walk)) {
+        for (k = walk.from; k < walk.to; k++) {
+            pbwsf__load_triangle(s, order[k], &other);
+            for (i = 0; i < count; i++) {
+                good = good && pbwsf__test_pair(s, own + i, &other, pairs);
+            }
+        }
+    }
+    return good;
+}
+
+/* ---- what two triangles have in common, in rounded arithmetic */
+
+typedef struct pbwsf__common { double at[14][3]; int count; } pbwsf__common;
+
+/* Adds where a side of t meets u: a point, or in one plane the ends of the part in u. */
+static void pbwsf__add_common(const double *const x[3], const double *a, const double *b, pbwsf__common *out)
+{
+    const int above = pbw_orient3(x[0], x[1], x[2], a), below = pbw_orient3(x[0], x[1], x[2], b);
+    double n[3], from = 0, to = 1;
+    int k;
+    if (!pbwsf__segment_meets(x, a, b, above, below)) {
+        return;
+    }
+    pbwsf__normal(x[0], x[1], x[2], n);
+    if (above != 0 || below != 0) {
+        double u[3], v[3], height, depth;
+        pbwsf__minus(a, x[0], u);
+        pbwsf__minus(b, x[0], v);
+        height = above == 0 ? 0 : fabs(pbwsf__dot(n, u));
+        depth = below == 0 ? 0 : fabs(pbwsf__dot(n, v));
+        from = to = height + depth > 0 ? height / (height + depth) : 0.5;
+    }
+    for (k = 0; k < 3 && above == 0 && below == 0; k++) {
+        double side[3], inward[3], u[3], v[3], p, q;
+        pbwsf__minus(x[(k + 1) % 3], x[k], side);
+        pbwsf__cross(n, side, inward);
+        pbwsf__minus(a, x[k], u);
+        pbwsf__minus(b, x[k], v);
+        p = pbwsf__dot(inward, u);
+        q = pbwsf__dot(inward, v);
+        if (p < 0 && q > p) {
+            from = fmax(from, fmin(1, p / (p - q)));
+        } else if (q < 0 && p > q) {
+            to = fmin(to, p / (p - q));
+        }
+    }
+    pbwsf__between(a, b, from, out->at[out->count++]);
+    pbwsf__between(a, b, fmax(from, to), out->at[out->count++]);
+}
+
+static pbw_status pbwsf__segment_range(void *arg, size_t from, size_t to)
+{
+    pbwsf__search *s = (pbwsf__search *)arg;
+    for (; from < to; from++) {
+        const pbw_index *pair = s->found->crossings.at + 2 * from;
+        double *out = s->found->segments.at + 6 * from, far = -1;
+        pbwsf__triangle t, u;
+        pbwsf__common common;
+        int i, j;
+        common.count = 0;
+        pbwsf__load_triangle(s, pair[0], &t);
+        pbwsf__load_triangle(s, pair[1], &u);
+        for (i = 0; i < 3; i++) {
+            pbwsf__add_common(u.x, t.x[i], t.x[(i + 1) % 3], &common);
+            pbwsf__add_common(t.x, u.x[i], u.x[(i + 1) % 3], &common);
+        }
+        for (i = 0; i < common.count; i++) {
+            for (j = 0; j <= i; j++) {
+                const double d = pbwsf__distance(common.at[i], common.at[j]);
+                if (d > far) {
+                    far = d;
+                    memcpy(out, common.at[j], sizeof common.at[j]);
+                    memcpy(out + 3, common.at[i], sizeof common.at[i]);
+                }
+            }
+        }
+    }
+    return PBW_OK;
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   >>faults       All that is wrong with a surface.
+   In: points and triangles.  Out: lists of faults.
+   ------------------------------------------------------------------------------------------------------ */
+enum { PBWSF__LEAVES = 16 };               /* in one range of pbw_for */
+
+static pbw_status pbwsf__flat_range(void *arg, size_t from, size_t to)
+{
+    pbwsf__search *s = (pbwsf__search *)arg;
+    for (; from < to; from++) {
+        pbwsf__triangle t;
+        int sign;
+        pbwsf__load_triangle(s, (pbw_index)from, &t);
+        s->flat.at[from] = pbwsf__axis_of(t.x, &sign) == 3;
+    }
+    return PBW_OK;
+}
+
+static pbw_status pbwsf__list_flat(void *arg, size_t from, size_t to)
+{
+    pbwsf__search *s = (pbwsf__search *)arg;
+    for (; from < to; from++) {
+        if (s->flat.at[from] && !PBW_PUSH(s->memory, s->found->flat, (pbw_index)from)) {
+            return PBW_ERROR_MEMORY;
+        }
+    }
+    return PBW_OK;
+}
+
+static pbw_status pbwsf__box_range(void *arg, size_t from, size_t to)
+{
+    pbwsf__search *s = (pbwsf__search *)arg;
+    pbwsf__fill_boxes(&s->surface, &s->tree, s->tree.first_leaf + from, s->tree.first_leaf + to);
+    return PBW_OK;
+}
+
+static pbw_status pbwsf__pair_range(void *arg, size_t from, size_t to)
+{
+    pbwsf__search *s = (pbwsf__search *)arg;
+    pbwsf__keys *pairs = s->pairs.at + from / PBWSF__LEAVES;
+    for (; from < to; from++) {
+        if (!pbwsf__test_leaf(s, s->tree.first_leaf + from, pairs)) {
+            return PBW_ERROR_MEMORY;
+        }
+    }
+    return PBW_OK;
+}
+
+/* Fills the tree, and the pairs of each range of its leaves. */
+static pbw_status pbwsf__find_pairs(pbwsf__search *s)
+{
+    pbw_status status;
+    size_t leaves;
+    s->surface.points = s->places.at[0];
+    s->surface.triangles = s->corners.at;
+    s->surface.triangle_count = s->tree.order.count;
+    s->surface.memory = &s->tree;
+    leaves = (s->tree.order.count + PBWSF__LEAF - 1) / PBWSF__LEAF;
+    if (!pbwsf__plant(s->memory, &s->surface, &s->tree)
+        || !PBW_ZEROS(s->memory, s->pairs, leaves / PBWSF__LEAVES + 1)) {
+        return PBW_ERROR_MEMORY;
+    }
+    status = pbw_for(pbwsf__next_part(s, 0.05, 0), s->tree.nodes - s->tree.first_leaf, 4096, pbwsf__box_range, s);
+    if (status == PBW_OK) {
+        pbwsf__fill_boxes(&s->surface, &s->tree, 0, s->tree.first_leaf);
+        status = pbw_for(pbwsf__next_part(s, 0.25, 0), leaves, PBWSF__LEAVES, pbwsf__pair_range, s);
+    }
+    return status;
+}
+
+/* Puts items of `each` numbers, the first of which are ascending in `order`, in that order. */
+static int pbwsf__permute(pbw_memory *memory, const pbw_index *order, size_t count, size_t each, pbwsf__indices *items)
+{
+    pbwsf__indices sorted = { NULL, 0, 0 };
+    size_t i;
+    if (!PBW_FIT(memory, sorted, each * count + 1)) {
+        return 0;
+    }
+    for (i = 0; i < each * count; i++) {
+        sorted.at[i] = items->at[each * order[i / each] + i % each];
+    }
+    sorted.count = each * count;
+    PBW_RELEASE(memory, *items);
+    *items = sorted;
+    return 1;
+}
+
+/* Sorts pairs of indices, and numbers beside them if there are some. */
+static pbw_status pbwsf__sort_pairs(pbwsf__search *s, pbwsf__indices *pairs, pbwsf__indices *beside)
+{
+    const size_t count = pairs->count / 2;
+    pbwsf__keys keys = { NULL, 0, 0 };
+    pbwsf__indices order = { NULL, 0, 0 };
+    pbw_status status = PBW_ERROR_MEMORY;
+    size_t i;
+    if (PBW_FIT(s->memory, keys, count + 1) && PBW_FIT(s->memory, order, count + 1)) {
+        for (i = 0; i < count; i++) {
+            keys.at[i] = (uint64_t)pairs->at[2 * i] << 32 | pairs->at[2 * i + 1];
+        }
+        status = pbw_sort(keys.at, count, pbwsf__next_part(s, 0.01, 0), order.at);
+    }
+    PBW_RELEASE(s->memory, keys);
+    if (status == PBW_OK && (!pbwsf__permute(s->memory, order.at, count, 2, pairs)
+                             || (beside != NULL && !pbwsf__permute(s->memory, order.at, count, 1, beside)))) {
+        status = PBW_ERROR_MEMORY;
+    }
+    PBW_RELEASE(s->memory, order);
+    return status;
+}
+
+static pbw_status pbwsf__gather_pairs(pbwsf__search *s)
+{
+    pbwsf__indices *out = &s->found->crossings;
+    pbw_status status;
+    size_t i, k, count = 0;
+    for (i = 0; i < s->pairs.count; i++) {
+        count += s->pairs.at[i].count;
+    }
+    if (!PBW_FIT(s->memory, *out, 2 * count + 1)) {
+        return PBW_ERROR_MEMORY;
+    }
+    for (i = 0; i < s->pairs.count; i++) {
+        for (k = 0; k < s->pairs.at[i].count; k++) {
+            out->at[out->count++] = (pbw_index)(s->pairs.at[i].at[k] >> 32);
+            out->at[out->count++] = (pbw_index)(s->pairs.at[i].at[k] & 0xffffffffu);
+        }
+        PBW_RELEASE(s->memory, s->pairs.at[i]);
+    }
+    status = pbwsf__sort_pairs(s, out, NULL);
+    if (status == PBW_OK && !PBW_FIT(s->memory, s->found->segments, 6 * count + 1)) {
+        status = PBW_ERROR_MEMORY;
+    }
+    return status != PBW_OK ? status : pbw_for(pbwsf__next_part(s, 0.05, 0), count, 256, pbwsf__segment_range, s);
+}
+
+static pbw_status pbwsf__find_all(pbwsf__search *s)
+{
+    const size_t count = s->triangle_count;
+    pbw_status status = pbwsf__weld(s);
+    size_t i;
+    s->least = 1e-230;
+    for (i = 0; i < 3 * s->point_count; i++) {
+        s->least = fabs(s->points[i]) < 1e90 ? s->least : HUGE_VAL;
+    }
+    status = status != PBW_OK ? status : pbwsf__sort_sides(s);
+    if (status == PBW_OK && (!PBW_FIT(s->memory, s->flat, count + 1) || !PBW_FIT(s->memory, s->tree.order, count + 1))) {
+        status = PBW_ERROR_MEMORY;
+    }
+    status = status != PBW_OK ? status : pbw_for(pbwsf__next_part(s, 0.02, 0), count, 4096, pbwsf__flat_range, s);
+    status = status != PBW_OK ? status : pbwsf__in_order(s, 0.01, count, pbwsf__list_flat);
+    status = status != PBW_OK ? status : pbwsf__in_order(s, 0.05, 3 * count, pbwsf__edge_range);
+    PBW_RELEASE(s->memory, s->sides);
+    PBW_RELEASE(s->memory, s->flat);
+    status = status != PBW_OK ? status : pbwsf__sort_pairs(s, &s->found->edges, &s->found->edge_triangles);
+    status = status != PBW_OK ? status : pbwsf__sort_pairs(s, &s->found->duplicates, NULL);
+    status = status != PBW_OK ? status : pbwsf__find_pairs(s);
+    return status != PBW_OK ? status : pbwsf__gather_pairs(s);
+}
+
+static void pbwsf__free_search(pbwsf__search *s)
+{
+    size_t i;
+    for (i = 0; i < s->pairs.count; i++) {
+        PBW_RELEASE(s->memory, s->pairs.at[i]);
+    }
+    PBW_RELEASE(s->memory, s->pairs);
+    PBW_RELEASE(s->memory, s->rank);
+    PBW_RELEASE(s->memory, s->first);
+    PBW_RELEASE(s->memory, s->places);
+    PBW_RELEASE(s->memory, s->corners);
+    PBW_RELEASE(s->memory, s->sides);
+    PBW_RELEASE(s->memory, s->room);
+    PBW_RELEASE(s->memory, s->start);
+    PBW_RELEASE(s->memory, s->flat);
+    PBW_RELEASE(s->memory, s->tree.order);
+    PBW_RELEASE(s->memory, s->tree.boxes);
+}
+
+static void pbwsf__show(const pbwsf__found *f, pbw_surface_faults *faults)
+{
+    faults->crossing_count = f->crossings.count / 2;
+    faults->crossings = f->crossings.at;
+    faults->segments = f->segments.at;
+    faults->flat_count = f->flat.count;
+    faults->flat = f->flat.at;
+    faults->duplicate_count = f->duplicates.count / 2;
+    faults->duplicates = f->duplicates.at;
+    faults->edge_count = f->edges.count / 2;
+    faults->edges = f->edges.at;
+    faults->edge_triangles = f->edge_triangles.at;
+    faults->repeated_count = f->repeated.count / 2;
+    faults->repeated = f->repeated.at;
+}
+
+PBWSURFACEDEF pbw_status pbw_surface_crossings(const double *points, size_t point_count, const pbw_index *triangles,
+                                               size_t triangle_count, const pbw_options *options,
+                                               pbw_surface_faults *faults)
+{
+    pbwsf__search search;
+    pbw_memory memory;
+    pbw_status status;
+    if (faults == NULL) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    memset(faults, 0, sizeof *faults);
+    if (triangle_count >= PBW_NONE / 3) {
+        return PBW_ERROR_TOO_LARGE;
+    }
+    status = pbwsf__check_input(points, point_count, triangles, triangle_count);
+    if (status != PBW_OK) {
+        return status;
+    }
+    pbw_memory_start(&memory, options);
+    memset(&search, 0, sizeof search);
+    search.found = (pbwsf__found *)pbw_memory_resize(&memory, NULL, 0, 1, sizeof *search.found);
+    if (search.found == NULL) {
+        return PBW_ERROR_MEMORY;
+    }
+    memset(search.found, 0, sizeof *search.found);
+    search.found->memory = memory;
+    search.memory = &search.found->memory;
+    search.given = options;
+    search.points = points;
+    search.point_count = point_count;
+    search.triangles = triangles;
+    search.triangle_count = triangle_count;
+    status = pbwsf__find_all(&search);
+    pbwsf__free_search(&search);
+    faults->memory = search.found;
+    if (status == PBW_OK) {
+        pbwsf__show(search.found, faults);
+    } else {
+        pbw_surface_faults_free(faults);
+    }
+    return status;
+}
+
+PBWSURFACEDEF void pbw_surface_faults_free(pbw_surface_faults *faults)
+{
+    if (faults != NULL && faults->memory != NULL) {
+        pbwsf__found *f = (pbwsf__found *)faults->memory;
+        pbw_memory memory = f->memory;
+        PBW_RELEASE(&memory, f->crossings);
+        PBW_RELEASE(&memory, f->segments);
+        PBW_RELEASE(&memory, f->flat);
+        PBW_RELEASE(&memory, f->duplicates);
+        PBW_RELEASE(&memory, f->edges);
+        PBW_RELEASE(&memory, f->edge_triangles);
+        PBW_RELEASE(&memory, f->repeated);
+        (void)pbw_memory_resize(&memory, f, 1, 0, sizeof *f);
+    }
+    if (faults != NULL) {
+        memset(faults, 0, sizeof *faults);
+    }
 }
 
 /* ------------------------------------------------------------------------------------------------------

@@ -1,0 +1,577 @@
+/* test_crossings.c: pbw_surface_crossings against a search of all pairs in integers, on many soups of triangles; the
+   same for all threads, coordinates of any magnitude, progress, cancelling, and sound after every failure. */
+#define PBW_SURFACE_IMPLEMENTATION
+#include "pbw_surface.h"
+#include "meter.h"
+#include "test.h"
+#include "watch.h"
+#include "zoo.h"
+#include <math.h>
+
+enum { MOST_POINTS = 1500, MOST_TRIANGLES = 500, MOST_PAIRS = 100000 };
+
+typedef long long whole;
+
+typedef struct soup {
+    whole x[MOST_POINTS][3];
+    double points[3 * MOST_POINTS];
+    pbw_index triangles[3 * MOST_TRIANGLES];
+    size_t points_count, triangle_count;
+} soup;
+
+static soup s;
+
+/* ---- all pairs, in integers: a point is x / x[3] */
+
+static void minus(const whole *p, const whole *q, whole *out)
+{
+    int k;
+    for (k = 0; k < 3; k++) {
+        out[k] = p[k] - q[k];
+    }
+}
+
+static void cross(const whole *a, const whole *b, whole *out)
+{
+    int k;
+    for (k = 0; k < 3; k++) {
+        out[k] = a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
+    }
+}
+
+static whole dot(const whole *a, const whole *b)
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static int same(const whole *p, const whole *q)
+{
+    return p[0] == q[0] && p[1] == q[1] && p[2] == q[2];
+}
+
+static const whole *corner(size_t t, int k)
+{
+    return s.x[s.triangles[3 * t + (size_t)k % 3]];
+}
+
+static void normal(size_t t, whole *n)
+{
+    whole u[3], v[3];
+    minus(corner(t, 1), corner(t, 0), u);
+    minus(corner(t, 2), corner(t, 0), v);
+    cross(u, v, n);
+}
+
+static int is_flat(size_t t)
+{
+    whole n[3];
+    normal(t, n);
+    return n[0] == 0 && n[1] == 0 && n[2] == 0;
+}
+
+static int is_same_triangle(size_t t, size_t u)
+{
+    int i, j, found = 0;
+    for (i = 0; i < 3; i++) {
+        for (j = 0; j < 3 && !same(corner(t, i), corner(u, j)); j++) {
+        }
+        found += j < 3;
+    }
+    return found == 3;
+}
+
+static int is_in(const whole p[4], size_t t)
+{
+    whole n[3], side[3], inward[3], d[3];
+    int i, k;
+    normal(t, n);
+    for (i = 0; i < 3; i++) {
+        for (k = 0; k < 3; k++) {
+            d[k] = p[k] - p[3] * corner(t, i)[k];
+        }
+        minus(corner(t, i + 1), corner(t, i), side);
+        cross(n, side, inward);
+        if (dot(n, d) != 0 || dot(inward, d) < 0) {
+            return 0;
+        }
+    }
+    return 1;
+}
+
+/* Is p in both triangles, and no corner of both? */
+static int is_fault(const whole given[4], size_t t, size_t u)
+{
+    whole p[4];
+    int i, j, k;
+    for (k = 0; k < 4; k++) {
+        p[k] = given[3] < 0 ? -given[k] : given[k];
+    }
+    if (!is_in(p, t) || !is_in(p, u)) {
+        return 0;
+    }
+    for (i = 0; i < 3; i++) {
+        for (j = 0; j < 3; j++) {
+            for (k = 0; k < 3 && p[k] == p[3] * corner(t, i)[k]; k++) {
+            }
+            if (k == 3 && same(corner(t, i), corner(u, j))) {
+                return 0;
+            }
+        }
+    }
+    return 1;
+}
+
+/* a + (b - a) num / den. */
+static int is_fault_along(const whole *a, const whole *b, whole num, whole den, size_t t, size_t u)
+{
+    whole p[4];
+    int k;
+    for (k = 0; k < 3; k++) {
+        p[k] = a[k] * (den - num) + b[k] * num;
+    }
+    p[3] = den;
+    return den != 0 && is_fault(p, t, u);
+}
+
+/* What two triangles have in common is convex, and its extreme points are corners, points of a side in the other's
+   plane, or in one plane where two sides meet: is one of them a fault? */
+static int has_fault(size_t t, size_t u)
+{
+    whole n[3], d[3], e[3], f[3], g[3], along[3];
+    int i, j;
+    normal(u, n);
+    for (i = 0; i < 3; i++) {
+        const whole *a = corner(t, i), *b = corner(t, i + 1);
+        minus(corner(u, 0), a, d);
+        minus(b, a, e);
+        if (is_fault_along(a, b, 0, 1, t, u) || is_fault_along(a, b, dot(n, d), dot(n, e), t, u)) {
+            return 1;
+        }
+        for (j = 0; j < 3; j++) {
+            minus(corner(u, j + 1), corner(u, j), f);
+            minus(corner(u, j), a, d);
+            cross(e, f, g);
+            cross(d, f, along);
+            if (is_fault_along(a, b, dot(along, g), dot(g, g), t, u)) {
+                return 1;
+            }
+        }
+    }
+    return 0;
+}
+
+/* Are their boxes apart? */
+static int are_apart(size_t t, size_t u)
+{
+    int i, j, k;
+    for (k = 0; k < 3; k++) {
+        int under = 0, over = 0;
+        for (i = 0; i < 3; i++) {
+            for (j = 0; j < 3; j++) {
+                under += corner(t, i)[k] < corner(u, j)[k];
+                over += corner(t, i)[k] > corner(u, j)[k];
+            }
+        }
+        if (under == 9 || over == 9) {
+            return 1;
+        }
+    }
+    return 0;
+}
+
+/* ---- soups */
+
+static uint64_t state;
+
+static whole below(whole n)
+{
+    return (whole)(pbw_random(test_seed, state++) % (uint64_t)n);
+}
+
+/* span: coordinates are below it; welded: triangles have points in common by number. */
+static void make_soup(size_t triangles, whole span, int welded)
+{
+    const whole points = 3 + below(welded ? 12 : 8), plane = below(4), depth = below(3) == 0 ? 1 + below(2) : span;
+    size_t i;
+    int k;
+    s.triangle_count = triangles;
+    s.points_count = welded ? (size_t)points : 3 * triangles;
+    for (i = 0; i < s.points_count; i++) {
+        for (k = 0; k < 3; k++) {
+            s.x[i][k] = below(k == plane ? depth : span);
+        }
+    }
+    for (i = 0; i < 3 * triangles; i++) {
+        s.triangles[i] = welded ? (pbw_index)below(points) : (pbw_index)i;
+    }
+}
+
+/* Small triangles all over a large box, some of them with a corner of the one before. */
+static void make_large_soup(size_t triangles)
+{
+    size_t i;
+    int k;
+    make_soup(triangles, 90, 0);
+    for (i = 0; i < 3 * triangles; i++) {
+        for (k = 0; k < 3; k++) {
+            s.x[i][k] = i % 3 == 0 ? below(90) : s.x[i / 3 * 3][k] + below(10);
+        }
+        if (i >= 3 && below(3) == 0) {
+            s.triangles[i] = s.triangles[i - 3];
+        }
+    }
+}
+
+static void set_points(double scale, double shift)
+{
+    size_t i;
+    for (i = 0; i < 3 * s.points_count; i++) {
+        s.points[i] = ((double)s.x[i / 3][i % 3] + shift) * scale;
+    }
+}
+
+static pbw_status find(const pbw_options *options, pbw_surface_faults *f)
+{
+    return pbw_surface_crossings(s.points, s.points_count, s.triangles, s.triangle_count, options, f);
+}
+
+static size_t first_at(size_t point)
+{
+    size_t i = 0;
+    while (!same(s.x[i], s.x[point])) {
+        i++;
+    }
+    return i;
+}
+
+/* ---- checks of one answer */
+
+static void check_pairs(const pbw_surface_faults *f)
+{
+    size_t t, u, k, crossings = 0, duplicates = 0, flat = 0;
+    for (t = 0; t < s.triangle_count; t++) {
+        size_t first = t;
+        if (is_flat(t)) {
+            CHECK(flat < f->flat_count && f->flat[flat] == t);
+            flat++;
+        }
+        for (u = 0; u < t && first == t; u++) {
+            first = is_same_triangle(t, u) && !same(corner(t, 0), corner(t, 1)) && !same(corner(t, 1), corner(t, 2))
+                 && !same(corner(t, 2), corner(t, 0)) ? u : t;
+        }
+        if (first < t) {
+            CHECK(duplicates < f->duplicate_count && f->duplicates[2 * duplicates] == t
+                  && f->duplicates[2 * duplicates + 1] == first);
+            duplicates++;
+        }
+        for (u = t + 1; u < s.triangle_count; u++) {
+            int again = 0;
+            for (k = 0; k < f->duplicate_count; k++) {
+                again |= f->duplicates[2 * k] == t || f->duplicates[2 * k] == u;
+            }
+            if (!again && !are_apart(t, u) && !is_flat(t) && !is_flat(u) && (has_fault(t, u) || has_fault(u, t))) {
+                CHECK(crossings < f->crossing_count && f->crossings[2 * crossings] == t
+                      && f->crossings[2 * crossings + 1] == u);
+                crossings++;
+            }
+        }
+    }
+    CHECK_EQUAL(f->crossing_count, crossings);
+    CHECK_EQUAL(f->flat_count, flat);
+    CHECK_EQUAL(f->duplicate_count, duplicates);
+}
+
+static void check_edges(const pbw_surface_faults *f)
+{
+    size_t i, k, repeated = 0, edges = 0;
+    for (i = 0; i < s.points_count; i++) {
+        if (first_at(i) != i) {
+            CHECK(repeated < f->repeated_count && f->repeated[2 * repeated] == i
+                  && f->repeated[2 * repeated + 1] == first_at(i));
+            repeated++;
+        }
+    }
+    CHECK_EQUAL(f->repeated_count, repeated);
+    for (i = 0; i < f->edge_count; i++) {
+        CHECK(f->edges[2 * i] < f->edges[2 * i + 1]);
+        CHECK(i == 0 || f->edges[2 * i] > f->edges[2 * i - 2]
+              || (f->edges[2 * i] == f->edges[2 * i - 2] && f->edges[2 * i + 1] > f->edges[2 * i - 1]));
+    }
+    for (i = 0; i < 3 * s.triangle_count; i++) {
+        const size_t a = first_at(s.triangles[i]), b = first_at(s.triangles[i / 3 * 3 + (i + 1) % 3]);
+        size_t there = 0, back = 0, earlier = 0;
+        for (k = 0; k < 3 * s.triangle_count && a != b; k++) {
+            const size_t c = first_at(s.triangles[k]), d = first_at(s.triangles[k / 3 * 3 + (k + 1) % 3]);
+            there += c == a && d == b;
+            back += c == b && d == a;
+            earlier += k < i && ((c == a && d == b) || (c == b && d == a));
+        }
+        if (a == b || earlier > 0 || (there == 1 && back == 1)) {
+            continue;
+        }
+        edges++;
+        for (k = 0; k < f->edge_count && (f->edges[2 * k] != (a < b ? a : b) || f->edges[2 * k + 1] != (a < b ? b : a));
+             k++) {
+        }
+        CHECK(k < f->edge_count && f->edge_triangles[k] == there + back);
+    }
+    CHECK_EQUAL(f->edge_count, edges);
+}
+
+/* Are the ends of all segments in both triangles, up to rounding? */
+static void check_segments(const pbw_surface_faults *f)
+{
+    size_t i;
+    int k;
+    for (i = 0; i < 4 * f->crossing_count; i++) {
+        const size_t t = f->crossings[2 * (i / 4) + i % 2];
+        const double *p = f->segments + 6 * (i / 4) + 3 * (i / 2 % 2);
+        double place[3], d[3];
+        pbwsf__nearest_in(s.points + 3 * (size_t)s.triangles[3 * t], s.points + 3 * (size_t)s.triangles[3 * t + 1],
+                          s.points + 3 * (size_t)s.triangles[3 * t + 2], p, place);
+        for (k = 0; k < 3; k++) {
+            d[k] = p[k] - place[k];
+        }
+        CHECK(pbwsf__dot(d, d) < 1e-20);
+    }
+}
+
+static void test_soups(void)
+{
+    long n;
+    size_t crossings = 0;
+    pbw_options alone = { 0 };
+    alone.threads = 1;
+    if (!test_begin("%ld soups, all pairs in integers", test_count)) {
+        return;
+    }
+    for (n = 0; n < test_count; n++) {
+        pbw_surface_faults f;
+        if (n % 1000 == 7) {
+            make_large_soup(120);
+        } else {
+            make_soup((size_t)(1 + below(7)), 2 + below(5), n % 3 != 0);
+        }
+        set_points(1, 0);
+        CHECK_EQUAL(find(&alone, &f), PBW_OK);
+        check_pairs(&f);
+        check_edges(&f);
+        check_segments(&f);
+        crossings += f.crossing_count;
+        pbw_surface_faults_free(&f);
+    }
+    CHECK(crossings > (size_t)test_count);
+    test_say("%zu pairs that meet", crossings);
+    test_end();
+}
+
+static int same_faults(const pbw_surface_faults *f, const pbw_surface_faults *g)
+{
+    return f->crossing_count == g->crossing_count && f->flat_count == g->flat_count
+        && f->duplicate_count == g->duplicate_count && f->edge_count == g->edge_count
+        && f->repeated_count == g->repeated_count
+        && memcmp(f->crossings, g->crossings, 2 * f->crossing_count * sizeof *f->crossings) == 0
+        && memcmp(f->flat, g->flat, f->flat_count * sizeof *f->flat) == 0
+        && memcmp(f->duplicates, g->duplicates, 2 * f->duplicate_count * sizeof *f->duplicates) == 0
+        && memcmp(f->edges, g->edges, 2 * f->edge_count * sizeof *f->edges) == 0
+        && memcmp(f->edge_triangles, g->edge_triangles, f->edge_count * sizeof *f->edge_triangles) == 0
+        && memcmp(f->repeated, g->repeated, 2 * f->repeated_count * sizeof *f->repeated) == 0;
+}
+
+/* The same integers as coordinates of all magnitudes: products over- and underflow. */
+static void test_magnitudes(void)
+{
+    static const double scale[] = { 1e-300, 4e-320, 1e-160, 1e-90, 1e80, 1e150, 1e297 };
+    size_t k;
+    long n;
+    if (!test_begin("coordinates of all magnitudes, and far from the origin")) {
+        return;
+    }
+    for (n = 0; n < 40; n++) {
+        pbw_surface_faults one, f;
+        make_soup(12, 6, (int)(n % 2));
+        set_points(1, 0);
+        CHECK_EQUAL(find(NULL, &one), PBW_OK);
+        for (k = 0; k < sizeof scale / sizeof *scale; k++) {
+            set_points(ldexp(1, (int)floor(log2(scale[k]))), 0);
+            CHECK_EQUAL(find(NULL, &f), PBW_OK);
+            CHECK(same_faults(&one, &f));
+            pbw_surface_faults_free(&f);
+        }
+        set_points(1, 4503599627370496.0);
+        CHECK_EQUAL(find(NULL, &f), PBW_OK);
+        CHECK(same_faults(&one, &f));
+        pbw_surface_faults_free(&f);
+        pbw_surface_faults_free(&one);
+    }
+    test_end();
+}
+
+/* A corner above a triangle, on it, and just off it. */
+static void test_nearly(void)
+{
+    double points[18] = { 0, 0, 0, 4, 0, 0, 0, 4, 0, 1, 1, 0, 1, 2, 1, 2, 1, 1 };
+    const pbw_index triangles[6] = { 0, 1, 2, 3, 4, 5 };
+    pbw_surface_faults f;
+    if (!test_begin("nearly touching is no fault")) {
+        return;
+    }
+    CHECK(pbw_surface_crossings(points, 6, triangles, 2, NULL, &f) == PBW_OK && f.crossing_count == 1);
+    CHECK(f.segments[0] == 1 && f.segments[1] == 1 && f.segments[2] == 0 && f.segments[3] == 1 && f.segments[5] == 0);
+    pbw_surface_faults_free(&f);
+    points[11] = 5e-324;
+    CHECK(pbw_surface_crossings(points, 6, triangles, 2, NULL, &f) == PBW_OK && f.crossing_count == 0);
+    pbw_surface_faults_free(&f);
+    points[11] = -5e-324;
+    CHECK(pbw_surface_crossings(points, 6, triangles, 2, NULL, &f) == PBW_OK && f.crossing_count == 1);
+    pbw_surface_faults_free(&f);
+    pbw_surface_faults_free(&f);
+    test_end();
+}
+
+static void test_refusals(void)
+{
+    const pbw_index triangles[6] = { 0, 1, 2, 1, 2, 3 };
+    double points[9] = { 0, 0, 0, 1, 0, 0, 0, 1, 0 };
+    pbw_surface_faults f;
+    if (!test_begin("nothing, ids out of range, coordinates that are not finite")) {
+        return;
+    }
+    CHECK(pbw_surface_crossings(NULL, 0, NULL, 0, NULL, &f) == PBW_OK && f.crossing_count == 0 && f.edge_count == 0);
+    pbw_surface_faults_free(&f);
+    CHECK(pbw_surface_crossings(points, 3, NULL, 0, NULL, &f) == PBW_OK && f.repeated_count == 0);
+    pbw_surface_faults_free(&f);
+    CHECK(pbw_surface_crossings(points, 3, triangles, 1, NULL, &f) == PBW_OK && f.edge_count == 3);
+    pbw_surface_faults_free(&f);
+    CHECK_EQUAL(pbw_surface_crossings(points, 3, triangles, 2, NULL, &f), PBW_ERROR_ARGUMENT);
+    CHECK_EQUAL(pbw_surface_crossings(points, 3, triangles, PBW_NONE, NULL, &f), PBW_ERROR_TOO_LARGE);
+    CHECK_EQUAL(pbw_surface_crossings(points, 3, triangles, 1, NULL, NULL), PBW_ERROR_ARGUMENT);
+    points[4] = NAN;
+    CHECK_EQUAL(pbw_surface_crossings(points, 3, triangles, 1, NULL, &f), PBW_ERROR_NOT_FINITE);
+    CHECK(f.memory == NULL);
+    test_end();
+}
+
+static void test_threads(void)
+{
+    pbw_surface_faults one, f;
+    pbw_options options = { 0 };
+    if (!test_begin("the same for 1 to 7 threads, progress")) {
+        return;
+    }
+    make_large_soup(MOST_TRIANGLES);
+    set_points(1, 0);
+    options.threads = 1;
+    CHECK_EQUAL(find(&options, &one), PBW_OK);
+    for (options.threads = 2; options.threads < 8; options.threads++) {
+        watch w;
+        watch_start(&w, 0);
+        options.progress = watch_progress;
+        options.progress_user = &w;
+        CHECK_EQUAL(find(&options, &f), PBW_OK);
+        CHECK(same_faults(&one, &f)
+              && memcmp(one.segments, f.segments, 6 * f.crossing_count * sizeof *f.segments) == 0);
+        CHECK(w.wrong == 0 && w.stages == 1 << PBW_STAGE_WORK);
+        pbw_surface_faults_free(&f);
+    }
+    pbw_surface_faults_free(&one);
+    test_end();
+}
+
+static void test_failures(void)
+{
+    pbw_surface_faults one, f;
+    meter m;
+    watch w;
+    long i;
+    pbw_options options = { 0 };
+    pbw_status status = PBW_ERROR_MEMORY;
+    if (!test_begin("failing allocations, limits, cancelling")) {
+        return;
+    }
+    make_large_soup(100);
+    set_points(1, 0);
+    CHECK_EQUAL(find(NULL, &one), PBW_OK);
+    options.threads = 1;
+    options.resize = meter_resize;
+    options.resize_user = &m;
+    for (i = 1; status == PBW_ERROR_MEMORY && i < 1000; i++) {
+        meter_start(&m, i, (int)(i % 2));
+        status = find(&options, &f);
+        CHECK(status == PBW_OK ? m.refused == 0 && same_faults(&one, &f) : m.blocks == 0 && f.memory == NULL);
+        pbw_surface_faults_free(&f);
+        CHECK(m.blocks == 0 && m.faults == 0);
+    }
+    CHECK(status == PBW_OK && i > 20);
+    meter_start(&m, 0, 0);
+    CHECK_EQUAL(find(&options, &f), PBW_OK);
+    pbw_surface_faults_free(&f);
+    options.memory_limit = m.peak;
+    CHECK_EQUAL(find(&options, &f), PBW_OK);
+    pbw_surface_faults_free(&f);
+    options.memory_limit = m.peak / 2;
+    CHECK_EQUAL(find(&options, &f), PBW_ERROR_MEMORY);
+    options.memory_limit = 0;
+    options.progress = watch_progress;
+    options.progress_user = &w;
+    for (i = 1, status = PBW_CANCELLED; status == PBW_CANCELLED && i < 1000; i++) {
+        watch_start(&w, i);
+        status = find(&options, &f);
+        CHECK(status == PBW_CANCELLED ? f.memory == NULL : w.calls < i);
+        pbw_surface_faults_free(&f);
+    }
+    CHECK(status == PBW_OK && i > 10 && m.blocks == 0);
+    pbw_surface_faults_free(&one);
+    test_end();
+}
+
+/* Many triangles around one point, many at one edge, many at one place: time that the input's size explains. */
+static void test_crowds(void)
+{
+    enum { CROWD = 3000 };
+    double *points;
+    pbw_index *triangles;
+    pbw_surface_faults f;
+    size_t i;
+    if (!test_begin("a cone of %d triangles, and one of them %d times", (int)CROWD, (int)CROWD)) {
+        return;
+    }
+    points = (double *)zoo_grow(NULL, (CROWD + 1) * 3 * sizeof *points);
+    triangles = (pbw_index *)zoo_grow(NULL, CROWD * 3 * sizeof *triangles);
+    for (i = 0; i <= CROWD; i++) {
+        points[3 * i] = i == CROWD ? 0 : cos(6.283185307179586 * (double)i / CROWD);
+        points[3 * i + 1] = i == CROWD ? 0 : sin(6.283185307179586 * (double)i / CROWD);
+        points[3 * i + 2] = i == CROWD;
+    }
+    for (i = 0; i < CROWD; i++) {
+        triangles[3 * i] = CROWD;
+        triangles[3 * i + 1] = (pbw_index)i;
+        triangles[3 * i + 2] = (pbw_index)((i + 1) % CROWD);
+    }
+    CHECK_EQUAL(pbw_surface_crossings(points, CROWD + 1, triangles, CROWD, NULL, &f), PBW_OK);
+    CHECK(f.crossing_count == 0 && f.edge_count == CROWD && f.edge_triangles[CROWD - 1] == 1);
+    pbw_surface_faults_free(&f);
+    for (i = 0; i < 3 * CROWD; i++) {
+        triangles[i] = (pbw_index)((i % 3 + i / 3) % 3);
+    }
+    CHECK_EQUAL(pbw_surface_crossings(points, CROWD + 1, triangles, CROWD, NULL, &f), PBW_OK);
+    CHECK(f.crossing_count == 0 && f.duplicate_count == CROWD - 1 && f.edge_count == 3 && f.duplicates[1] == 0);
+    CHECK(f.edge_triangles[2] == CROWD);
+    pbw_surface_faults_free(&f);
+    free(points);
+    free(triangles);
+    test_end();
+}
+
+int main(int argc, char **argv)
+{
+    test_start(argc, argv, 10000);
+    test_soups();
+    test_magnitudes();
+    test_nearly();
+    test_refusals();
+    test_threads();
+    test_failures();
+    test_crowds();
+    return test_finish();
+}
