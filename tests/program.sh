@@ -201,6 +201,33 @@ check "its loop" grep -F "3 edges from (5, 5, 5): 4-5 4-6 5-6" said
 (sed 's/f 1 2 4/f 1 4 2/' closed.obj) > turned.obj
 check "a turned surface" says 1 "3 turned edges:" check turned.obj
 
+# Faces that meet, without area, and given again: two tetrahedra, a corner of one in the other.
+printf 'v %s\n' '0 0 0' '4 0 0' '0 4 0' '0 0 4' '1 1 1' '5 1 1' '1 5 1' '1 1 5' > meet.obj
+printf 'f %s\n' '1 3 2' '1 2 4' '2 3 4' '1 4 3' '5 7 6' '5 6 8' '6 7 8' '5 8 7' >> meet.obj
+faults="-o faults.vtu -o faults.obj -o faults.csv -o faults.html"
+check "faces that meet" says 1 "3 pairs of faces meet elsewhere than in corners and edges of both" check meet.obj $faults
+check "which, and where" grep -E "^  2 and 4 from \((1, 2|2, 1), 1\) to \((1, 2|2, 1), 1\)$" said
+check "the surface is closed" grep -F "closed, 2 components" said
+check "a table of them" sh -c "grep -c '^crossing,2,[457],,,[12],[12],[12],[12],[12],[12]$' faults.csv | grep -x 3"
+check "the model in groups" sh -c "grep -x 'g crossing' faults.obj && grep -x 'g sound' faults.obj &&
+    grep -x 'g crossing line' faults.obj && grep -c '^l ' faults.obj | grep -x 3"
+check "it is read again" says 1 "3 pairs of faces meet" check faults.obj
+check "the same as .vtu" says 1 "3 pairs of faces meet" check faults.vtu
+check "a page of the model" sh -c "grep -F \"data-simplices='8'\" faults.html && grep -F 'crossing&#10;' faults.html"
+"$pbw" convert meet.obj meet.stl --quiet
+check "corners are compared by place" says 1 "3 pairs of faces meet" check meet.stl
+check "a solid of them" says 0 "the surface meets itself: 3 pairs of faces, the first at (" solid meet.obj --size 1
+(cat closed.obj && echo 'v .5 .5 0' && printf 'f %s\n' '2 5 3' '1 2 3') > flat.obj
+check "a face without area" says 1 "1 face without area:" check flat.obj -o faults.csv
+check "where it is" grep -xF "  4 with a corner at (1, 0, 0)" said
+check "a face again" grep -F "1 face given again:" said
+check "crowded edges are in the table" grep -E "^crowded edge,,,1,2,1,0,0,0,1,0$" faults.csv
+check "a flat face is" grep -E "^flat,4,,,,1,0,0,,,$" faults.csv
+check "a surface without faults" says 0 "0 pairs of faces that meet, 0 faces without area, 0 given again" check closed.obj -o none.csv
+check "an empty table" sh -c "wc -l < none.csv | grep -x ' *1'"
+check "-o of what is no surface" says 1 "-o is for the faults of surfaces" check atoms.csv -o none.csv
+check "-o and --retriangulate" early 2 "--retriangulate and .csv exclude each other" check closed.obj --retriangulate -o none.csv
+
 # Meshes: their own simplices are checked, shown and converted.
 medit() {   # medit FILE ROWS: five points and tetrahedra
     printf 'MeshVersionFormatted 2\nDimension 3\nVertices 5\n0 0 0 0\n1 0 0 0\n0 1 0 0\n0 0 1 0\n1 1 1 0\n' > "$1"
@@ -766,7 +793,7 @@ printf 'insert,0.5,0.5,0.5\nremove,3\ncommit\n' > shown/changes.csv
 printf '4 2 0 0\n1 0 0\n2 1 0\n3 1 1\n4 0 1\n4 0\n1 1 2\n2 2 3\n3 3 4\n4 4 1\n0\n' > shown/domain.poly
 tells_formats() {   # tells_formats COMMAND: but for texts; live has those of mesh
     "$pbw" $1 atoms.csv $(case $1 in locate | nearest) echo atoms.csv ;; esac) -o x.none > said 2>&1
-    case $1 in check | bench | hash) grep 'has no option -o' said; return ;; esac
+    case $1 in bench | hash) grep 'has no option -o' said; return ;; esac
     for ending in $(sed -n 's/.*; pbw [a-z]* writes //p' said); do
         case $1.$ending in live.* | *.txt | *.pts | *.asc | *.dat | *.tsv) continue ;; esac
         grep "[.]$ending\>" help.txt || return 1

@@ -1442,6 +1442,28 @@ def areas(mesh, patch):
 
 
 @test
+def faults_of_surfaces():
+    cube = np.array(list(itertools.product((0.0, 1.0), repeat=3)))
+    hull = pbw.Delaunay(cube).convex_hull
+    clean = pbw.check_surface(cube, hull)
+    assert not clean and "0 pairs" in repr(clean) and clean.segments.shape == (0, 2, 3)
+    moved = pbw.check_surface(np.concatenate([cube, cube + 0.5]), np.concatenate([hull, hull + 8]), threads=2)
+    assert moved and len(moved.crossings) > 0 and not len(moved.edges)
+    assert (moved.crossings[:, 0] < 12).all() and (moved.crossings[:, 1] >= 12).all()
+    assert (moved.segments >= 0.5).all() and (moved.segments <= 1).all()
+    soup = pbw.check_surface(cube[hull].reshape(-1, 3), np.arange(36).reshape(12, 3))      # corners of their own
+    assert not soup and len(soup.repeated) == 28 and (soup.repeated[:, 0] > soup.repeated[:, 1]).all()
+    bad = pbw.check_surface(cube, np.concatenate([hull[1:], hull[1:2], [[0, 0, 1]]]))
+    assert bad.duplicates.tolist() == [[11, 0]] and bad.flat.tolist() == [12]
+    opened = pbw.check_surface(cube, hull[1:])
+    equal(opened.edge_triangles, np.ones(3))
+    equal(np.unique(opened.edges), np.sort(hull[0]))
+    assert not pbw.check_surface(np.empty((0, 3)), np.empty((0, 3), int))
+    raises_text(ValueError, "triangles must be whole numbers from 0 to 7", pbw.check_surface, cube, [[0, 1, 8]])
+    raises(ValueError, pbw.check_surface, cube * np.nan, hull)
+
+
+@test
 def names_go_through_solid_and_improve():
     cube = np.array(list(itertools.product((0.0, 1.0), repeat=3)))
     hull = pbw.Delaunay(cube).convex_hull

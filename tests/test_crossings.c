@@ -310,8 +310,11 @@ static void check_edges(const pbw_surface_faults *f)
             continue;
         }
         edges++;
-        for (k = 0; k < f->edge_count && (f->edges[2 * k] != (a < b ? a : b) || f->edges[2 * k + 1] != (a < b ? b : a));
-             k++) {
+        for (k = 0; k < f->edge_count; k++) {
+            const pbw_index *e = f->edges + 2 * k;
+            if (e[0] + e[1] == a + b && (e[0] == a || e[0] == b)) {
+                break;
+            }
         }
         CHECK(k < f->edge_count && f->edge_triangles[k] == there + back);
     }
@@ -360,22 +363,25 @@ static void test_soups(void)
         crossings += f.crossing_count;
         pbw_surface_faults_free(&f);
     }
-    CHECK(crossings > (size_t)test_count);
+    CHECK(2 * crossings > (size_t)test_count);
     test_say("%zu pairs that meet", crossings);
     test_end();
+}
+
+static int same_ids(const pbw_index *a, const pbw_index *b, size_t count)
+{
+    return count == 0 || memcmp(a, b, count * sizeof *a) == 0;
 }
 
 static int same_faults(const pbw_surface_faults *f, const pbw_surface_faults *g)
 {
     return f->crossing_count == g->crossing_count && f->flat_count == g->flat_count
         && f->duplicate_count == g->duplicate_count && f->edge_count == g->edge_count
-        && f->repeated_count == g->repeated_count
-        && memcmp(f->crossings, g->crossings, 2 * f->crossing_count * sizeof *f->crossings) == 0
-        && memcmp(f->flat, g->flat, f->flat_count * sizeof *f->flat) == 0
-        && memcmp(f->duplicates, g->duplicates, 2 * f->duplicate_count * sizeof *f->duplicates) == 0
-        && memcmp(f->edges, g->edges, 2 * f->edge_count * sizeof *f->edges) == 0
-        && memcmp(f->edge_triangles, g->edge_triangles, f->edge_count * sizeof *f->edge_triangles) == 0
-        && memcmp(f->repeated, g->repeated, 2 * f->repeated_count * sizeof *f->repeated) == 0;
+        && f->repeated_count == g->repeated_count && same_ids(f->crossings, g->crossings, 2 * f->crossing_count)
+        && same_ids(f->flat, g->flat, f->flat_count) && same_ids(f->edges, g->edges, 2 * f->edge_count)
+        && same_ids(f->duplicates, g->duplicates, 2 * f->duplicate_count)
+        && same_ids(f->edge_triangles, g->edge_triangles, f->edge_count)
+        && same_ids(f->repeated, g->repeated, 2 * f->repeated_count);
 }
 
 /* The same integers as coordinates of all magnitudes: products over- and underflow. */
@@ -528,7 +534,7 @@ static void test_failures(void)
 /* Many triangles around one point, many at one edge, many at one place: time that the input's size explains. */
 static void test_crowds(void)
 {
-    enum { CROWD = 3000 };
+    enum { CROWD = 20000 };
     double *points;
     pbw_index *triangles;
     pbw_surface_faults f;

@@ -206,7 +206,9 @@ typedef struct pbw_solid_report {
     double hole_share;                     /* area of the triangles that close holes, by that of the others */
     double thickness;                      /* twice the input's volume by its area, in sizes; of a plate, how thick */
     double estimate;                       /* tetrahedra, known before the first point is; within a factor of 2 */
-    size_t crossings;                      /* of the input: edges that cross a triangle */
+    size_t crossings;                      /* of the input: pairs of triangles that meet elsewhere than in common
+                                              corners and edges, as pbw_surface_crossings finds them */
+    double crossing_place[3];              /* where the first pair meets */
     int refusal;                           /* PBW_SOLID_FILLED, or why there is no result */
     size_t regions;                        /* of the result */
     int sharp;                             /* which sharp edges were kept: PBW_SOLID_SHARP_ALL, SOME or NONE */
@@ -1503,70 +1505,19 @@ static void pbwm3__middle_of(const pbwm3__work *w, pbw_index triangle, double p[
 
 /* ---- triangles that cross ---- */
 
-typedef struct pbwm3__crossing_counts {
-    const pbwm3__work *w;
-    unsigned char *count;                  /* per triangle */
-} pbwm3__crossing_counts;
-
-typedef struct pbwm3__crossing {           /* of the edge a b */
-    const pbwm3__work *w;
-    pbw_index a, b;
-    int found;
-} pbwm3__crossing;
-
-static int pbwm3__test_crossing(void *user, pbw_index triangle)
-{
-    pbwm3__crossing *crossing = (pbwm3__crossing *)user;
-    const pbw_index *c = crossing->w->surface.triangles + 3 * (size_t)triangle;
-    int k;
-    for (k = 0; k < 3 && c[k] != crossing->a && c[k] != crossing->b; k++) {
-    }
-    crossing->found = k == 3;
-    return crossing->found;
-}
-
-static pbw_status pbwm3__crossing_range(void *arg, size_t from, size_t to)
-{
-    const pbwm3__crossing_counts *counts = (const pbwm3__crossing_counts *)arg;
-    const pbw_surface *s = &counts->w->surface;
-    size_t i;
-    int k;
-    for (i = from; i < to; i++) {
-        counts->count[i] = 0;
-        for (k = 0; k < 3; k++) {
-            pbwm3__crossing crossing;
-            crossing.w = counts->w;
-            crossing.a = s->triangles[3 * i + (size_t)k];
-            crossing.b = s->triangles[3 * i + (size_t)(k + 1) % 3];
-            crossing.found = 0;
-            if (crossing.a < crossing.b) {
-                pbwsf__all_met(s, pbwsf__corner(s, (pbw_index)i, k), pbwsf__corner(s, (pbw_index)i, (k + 1) % 3),
-                               pbwm3__test_crossing, &crossing);
-            }
-            counts->count[i] = (unsigned char)(counts->count[i] + crossing.found);
-        }
-    }
-    return PBW_OK;
-}
-
-/* Counts edges that meet triangles with none of their ends, by exact signs. */
+/* Counts pairs of triangles that meet elsewhere than in common corners and edges. */
 static pbw_status pbwm3__find_crossings(pbwm3__work *w)
 {
-    const size_t count = w->surface.triangle_count;
-    pbwsf__flags room = { NULL, 0, 0 };
-    pbwm3__crossing_counts counts;
-    pbw_status status = PBW_ERROR_MEMORY;
-    size_t i;
-    if (PBW_FIT(&w->memory, room, count + 1)) {
-        counts.w = w;
-        counts.count = room.at;
-        status = pbw_for(pbwm3__inner_options(w), count, 64, pbwm3__crossing_range, &counts);
-        for (i = 0; status == PBW_OK && i < count; i++) {
-            w->report->crossings += counts.count[i];
-        }
+    const pbw_surface *s = &w->surface;
+    pbw_surface_faults faults;
+    const pbw_status status = pbw_surface_crossings(s->points, s->point_count, s->triangles, s->triangle_count,
+                                                    pbwm3__inner_options(w), &faults);
+    w->report->crossings = faults.crossing_count;
+    if (faults.crossing_count > 0) {
+        memcpy(w->report->crossing_place, faults.segments, sizeof w->report->crossing_place);
     }
     w->joined = w->report->crossings > 0 && !w->nested && !w->open && !w->walls;
-    PBW_RELEASE(&w->memory, room);
+    pbw_surface_faults_free(&faults);
     return status;
 }
 

@@ -276,13 +276,12 @@ static void pbwsf__box_add(pbwsf__box *box, const double low[3], const double hi
     }
 }
 
-/* Fills the boxes of nodes from .. to - 1; those of their children are filled. */
-static void pbwsf__fill_boxes(const pbw_surface *s, pbwsf__tree *tree, size_t from, size_t to)
+static void pbwsf__fill_boxes(const pbw_surface *s, pbwsf__tree *tree)
 {
     pbwsf__box *box = tree->boxes.at;
     const pbw_index *order = tree->order.at;
     size_t i, k;
-    for (i = to; i-- > from;) {
+    for (i = tree->nodes; i-- > 0;) {
         pbwsf__box_clear(box + i);
         if (i < tree->first_leaf) {
             pbwsf__box_add(box + i, box[2 * i + 1].low, box[2 * i + 1].high);
@@ -336,29 +335,23 @@ static pbw_status pbwsf__sort(const pbw_surface *s, const pbw_options *options, 
     return status;
 }
 
-/* Makes room for the boxes.  Returns 0 if there is no memory. */
-static int pbwsf__plant(pbw_memory *memory, const pbw_surface *surface, pbwsf__tree *tree)
+static pbw_status pbwsf__build(const pbw_options *options, pbw_surface *surface)
 {
+    pbwsf__tree *tree = (pbwsf__tree *)surface->memory;
+    pbw_status status = pbwsf__sort(surface, options, tree);
     size_t leaves = 1;
     while (leaves * PBWSF__LEAF < surface->triangle_count) {
         leaves *= 2;
     }
     tree->first_leaf = leaves - 1;
     tree->nodes = 2 * leaves - 1;
-    return PBW_FIT(memory, tree->boxes, tree->nodes);
-}
-
-static pbw_status pbwsf__build(const pbw_options *options, pbw_surface *surface)
-{
-    pbwsf__tree *tree = (pbwsf__tree *)surface->memory;
-    const pbw_status status = pbwsf__sort(surface, options, tree);
     if (status != PBW_OK) {
         return status;
     }
-    if (!pbwsf__plant(&tree->memory, surface, tree)) {
+    if (!PBW_FIT(&tree->memory, tree->boxes, tree->nodes)) {
         return PBW_ERROR_MEMORY;
     }
-    pbwsf__fill_boxes(surface, tree, 0, tree->nodes);
+    pbwsf__fill_boxes(surface, tree);
     return PBW_OK;
 }
 
@@ -656,32 +649,6 @@ static int pbwsf__next_leaf(pbwsf__walk *walk)
     return 0;
 }
 
-/* Calls met for each triangle that the segment from a to b meets, touching included, until it returns 1. */
-PBWSF__SHARED static void pbwsf__all_met(const pbw_surface *surface, const double a[3], const double b[3],
-                           int (*met)(void *user, pbw_index triangle), void *user)
-{
-    const pbw_index *order = ((const pbwsf__tree *)surface->memory)->order.at;
-    pbwsf__walk walk;
-    size_t k;
-    int j;
-    for (j = 0; j < 3; j++) {
-        walk.low[j] = a[j] < b[j] ? a[j] : b[j];
-        walk.high[j] = a[j] < b[j] ? b[j] : a[j];
-    }
-    walk.surface = surface;
-    walk.stack[0] = 0;
-    walk.depth = 1;
-    while (pbwsf__next_leaf(&walk)) {
-        for (k = walk.from; k < walk.to; k++) {
-            const double *const c[3] = { pbwsf__corner(surface, order[k], 0), pbwsf__corner(surface, order[k], 1),
-                                         pbwsf__corner(surface, order[k], 2) };
-            if (pbwsf__crossing(c, a, b) <= 1 && met(user, order[k])) {
-                return;
-            }
-        }
-    }
-}
-
 /* The side of p to the line through a and b, seen along z, with p raised by (e, e^2): on the line, it is that of the
    first derivative that is not zero.  Zero only if a and b are at one place.  Changes sign with the edge's direction,
    so that of two triangles at an edge exactly one has a ray through it. */
@@ -797,8 +764,8 @@ PBWSURFACEDEF double pbw_surface_winding(const pbw_surface *surface, const doubl
    >>welding      Corners by place, edges, triangles given twice.
    In: points and triangles.  Out: the faults of edges, the points that repeat a place, the triangles given twice, and
    the order of the others.
-   Holds: a place is numbered along a Hilbert curve through the points.  Side 3 t + k of triangle t runs from its
-   corner k to the next one.
+   Holds: places are numbered along a Hilbert curve through the points.  Side 3 t + k of triangle t runs from its
+   corner k to the next one.  The apex of a triangle is the corner with the most triangles, of several the first.
    ------------------------------------------------------------------------------------------------------ */
 typedef PBW_ARRAY(uint64_t) pbwsf__keys;
 
@@ -807,6 +774,12 @@ typedef struct pbwsf__found {              /* what pbw_surface_faults shows */
     pbwsf__indices crossings, flat, duplicates, edges, edge_triangles, repeated;
     pbwsf__numbers segments;
 } pbwsf__found;
+
+typedef struct pbwsf__node {
+    double low[3], high[3];                /* the box of its triangles */
+    double far_low[3], far_high[3];        /* the box of their sides across from the apex */
+    pbw_index apex;                        /* the corner that all of them have; PBW_NONE: there is none */
+} pbwsf__node;
 
 typedef struct pbwsf__search {
     pbw_memory *memory;
@@ -819,11 +792,13 @@ typedef struct pbwsf__search {
     size_t point_count, triangle_count;
     pbwsf__indices rank, first;            /* per point: its place; per place: the first point there */
     pbwsf__vectors places;
-    pbwsf__indices corners, sides, room, start;      /* corners: places; sides: sorted; start: for sorting them */
+    pbwsf__indices degree;                 /* per place: the corners there */
+    pbwsf__indices corners, items;         /* corners: places; items: what is sorted, sides or triangles */
+    pbwsf__indices room, start;            /* for the sort */
     int pass;                              /* of the sort */
     pbwsf__flags flat;                     /* per triangle */
-    pbw_surface surface;                   /* the triangles that may cross, with places as points */
-    pbwsf__tree tree;                      /* of that surface */
+    PBW_ARRAY(pbwsf__node) nodes;          /* of the tree: node i has the children 2 i + 1 and 2 i + 2 */
+    size_t first_leaf;                     /* node first_leaf + j has the triangles 4 j .. 4 j + 3 of items */
     double least;                          /* see pbwsf__side_of */
     PBW_ARRAY(pbwsf__keys) pairs;          /* per range of leaves: pairs of triangles that meet elsewhere */
 } pbwsf__search;
@@ -903,7 +878,8 @@ static pbw_status pbwsf__corner_range(void *arg, size_t from, size_t to)
     pbwsf__search *s = (pbwsf__search *)arg;
     for (; from < to; from++) {
         s->corners.at[from] = s->rank.at[s->triangles[from]];
-        s->sides.at[from] = (pbw_index)from;
+        s->degree.at[s->corners.at[from]]++;
+        s->items.at[from] = (pbw_index)from;
     }
     return PBW_OK;
 }
@@ -921,11 +897,14 @@ static pbw_status pbwsf__weld(pbwsf__search *s)
     status = status != PBW_OK ? status : pbwsf__in_order(s, 0.05, points, pbwsf__weld_range);
     status = status != PBW_OK ? status : pbwsf__in_order(s, 0.02, points, pbwsf__repeated_range);
     PBW_RELEASE(s->memory, s->room);
-    if (status == PBW_OK && (!PBW_FIT(s->memory, s->corners, corners + 1) || !PBW_FIT(s->memory, s->sides, corners + 1)
-                             || !PBW_FIT(s->memory, s->places, s->first.count + 1))) {
+    if (status == PBW_OK
+        && (!PBW_FIT(s->memory, s->corners, corners + 1) || !PBW_FIT(s->memory, s->items, corners + 1)
+            || !PBW_FIT(s->memory, s->places, s->first.count + 1)
+            || !PBW_ZEROS(s->memory, s->degree, s->first.count))) {
         status = PBW_ERROR_MEMORY;
     }
     status = status != PBW_OK ? status : pbwsf__in_order(s, 0.03, corners, pbwsf__corner_range);
+    s->items.count = corners;
     PBW_RELEASE(s->memory, s->rank);
     return status;
 }
@@ -940,13 +919,41 @@ static void pbwsf__side_places(const pbwsf__search *s, pbw_index side, pbw_index
     out[2] = c[k == 0 ? 2 : k - 1];
 }
 
+/* The corners of a triangle, the apex first, then the lower one of the others. */
+static void pbwsf__from_apex(const pbwsf__search *s, pbw_index triangle, pbw_index out[3])
+{
+    const pbw_index *c = s->corners.at + 3 * (size_t)triangle, *degree = s->degree.at;
+    pbw_index a, b;
+    int k, apex = 0;
+    for (k = 1; k < 3; k++) {
+        if (degree[c[k]] > degree[c[apex]] || (degree[c[k]] == degree[c[apex]] && c[k] < c[apex])) {
+            apex = k;
+        }
+    }
+    out[0] = c[apex];
+    a = c[(apex + 1) % 3];
+    b = c[(apex + 2) % 3];
+    out[1] = a < b ? a : b;
+    out[2] = a < b ? b : a;
+}
+
+/* Returns by what an item is sorted in this pass: a side by its places, a triangle by its apex and then. */
+static pbw_index pbwsf__sort_key(const pbwsf__search *s, pbw_index item)
+{
+    pbw_index v[3];
+    if (s->pass < 3) {
+        pbwsf__side_places(s, item, v);
+        return v[s->pass];
+    }
+    pbwsf__from_apex(s, item, v);
+    return v[s->pass - 3];
+}
+
 static pbw_status pbwsf__count_range(void *arg, size_t from, size_t to)
 {
     pbwsf__search *s = (pbwsf__search *)arg;
-    pbw_index v[3];
     for (; from < to; from++) {
-        pbwsf__side_places(s, (pbw_index)from, v);
-        s->start.at[(size_t)v[s->pass] + 1]++;
+        s->start.at[(size_t)pbwsf__sort_key(s, s->items.at[from]) + 1]++;
     }
     return PBW_OK;
 }
@@ -954,32 +961,31 @@ static pbw_status pbwsf__count_range(void *arg, size_t from, size_t to)
 static pbw_status pbwsf__place_range(void *arg, size_t from, size_t to)
 {
     pbwsf__search *s = (pbwsf__search *)arg;
-    pbw_index v[3];
     for (; from < to; from++) {
-        pbwsf__side_places(s, s->sides.at[from], v);
-        s->room.at[s->start.at[v[s->pass]]++] = s->sides.at[from];
+        s->room.at[s->start.at[pbwsf__sort_key(s, s->items.at[from])]++] = s->items.at[from];
     }
     return PBW_OK;
 }
 
-/* Sorts the sides by the places of their edges, then by those across, then by number: a sort by counting for each
-   place, the last one first. */
-static pbw_status pbwsf__sort_sides(pbwsf__search *s)
+/* Sorts the items by counting, in passes from `last` to `first`: by the last key, in that order by the one before,
+   and so on; items with the same keys stay in their order. */
+static pbw_status pbwsf__sort_items(pbwsf__search *s, int first, int last)
 {
-    const size_t count = 3 * s->triangle_count, places = s->first.count;
+    const size_t count = s->items.count, places = s->first.count;
     pbw_status status = PBW_FIT(s->memory, s->room, count + 1) && PBW_FIT(s->memory, s->start, places + 1)
                       ? PBW_OK : PBW_ERROR_MEMORY;
-    for (s->pass = 2; s->pass >= 0 && status == PBW_OK; s->pass--) {
+    for (s->pass = last; s->pass >= first && status == PBW_OK; s->pass--) {
         pbwsf__indices swap;
         size_t i;
         memset(s->start.at, 0, (places + 1) * sizeof *s->start.at);
-        status = pbwsf__in_order(s, 0.03, count, pbwsf__count_range);
+        status = pbwsf__in_order(s, 0.02, count, pbwsf__count_range);
         for (i = 1; i <= places; i++) {
             s->start.at[i] += s->start.at[i - 1];
         }
-        status = status != PBW_OK ? status : pbwsf__in_order(s, 0.05, count, pbwsf__place_range);
-        swap = s->sides;
-        s->sides = s->room;
+        status = status != PBW_OK ? status : pbwsf__in_order(s, 0.04, count, pbwsf__place_range);
+        s->room.count = count;
+        swap = s->items;
+        s->items = s->room;
         s->room = swap;
     }
     PBW_RELEASE(s->memory, s->room);
@@ -994,33 +1000,31 @@ static int pbwsf__list_edge(pbwsf__search *s, const pbw_index v[3], size_t from,
     const pbw_index a = s->first.at[v[0]], b = s->first.at[v[1]];
     size_t i, forward = 0;
     for (i = from; i < end; i++) {
-        forward += s->corners.at[s->sides.at[i]] == v[0];
+        forward += s->corners.at[s->items.at[i]] == v[0];
     }
     return v[0] == v[1] || (end - from == 2 && forward == 1)
         || (PBW_PUSH(s->memory, f->edges, a < b ? a : b) && PBW_PUSH(s->memory, f->edges, a < b ? b : a)
             && PBW_PUSH(s->memory, f->edge_triangles, (pbw_index)(end - from)));
 }
 
-/* Of sides from .. end - 1 of one edge, v, those whose third corner is the last: lists triangles given twice, and the
-   others, if they have area, in the order of the tree. */
+/* Of sides from .. end - 1 of one edge, v, those whose third corner is the last: lists triangles given twice, which
+   leave the search as flat ones do. */
 static int pbwsf__list_triangles(pbwsf__search *s, const pbw_index v[3], size_t from, size_t end)
 {
     pbw_index across = PBW_NONE, first = 0, w[3];
     int good = 1;
     for (; from < end && good && v[0] != v[1]; from++) {
-        const pbw_index t = s->sides.at[from] / 3;
-        pbwsf__side_places(s, s->sides.at[from], w);
+        const pbw_index t = s->items.at[from] / 3;
+        pbwsf__side_places(s, s->items.at[from], w);
         if (w[2] <= w[1]) {
             continue;
         }
         if (w[2] == across) {
             good = PBW_PUSH(s->memory, s->found->duplicates, t) && PBW_PUSH(s->memory, s->found->duplicates, first);
-            continue;
-        }
-        across = w[2];
-        first = t;
-        if (!s->flat.at[t]) {
-            s->tree.order.at[s->tree.order.count++] = t;
+            s->flat.at[t] = 1;
+        } else {
+            across = w[2];
+            first = t;
         }
     }
     return good;
@@ -1034,13 +1038,13 @@ static pbw_status pbwsf__edge_range(void *arg, size_t from, size_t to)
     size_t end;
     for (; from < to; from = end) {
         int begins = from == 0;
-        pbwsf__side_places(s, s->sides.at[from], v);
+        pbwsf__side_places(s, s->items.at[from], v);
         if (!begins) {
-            pbwsf__side_places(s, s->sides.at[from - 1], w);
+            pbwsf__side_places(s, s->items.at[from - 1], w);
             begins = v[0] != w[0] || v[1] != w[1];
         }
         for (end = from + 1; end < count; end++) {
-            pbwsf__side_places(s, s->sides.at[end], w);
+            pbwsf__side_places(s, s->items.at[end], w);
             if (v[0] != w[0] || v[1] != w[1]) {
                 break;
             }
@@ -1067,13 +1071,14 @@ typedef struct pbwsf__triangle {
                                               computed */
 } pbwsf__triangle;
 
-static void pbwsf__load_triangle(const pbwsf__search *s, pbw_index id, pbwsf__triangle *t)
+/* corners: 3 places. */
+static void pbwsf__load_triangle(const pbwsf__search *s, const pbw_index *corners, pbw_index id, pbwsf__triangle *t)
 {
     int k, i;
     t->id = id;
     t->size[0] = -1;
     for (i = 0; i < 3; i++) {
-        t->c[i] = s->corners.at[3 * (size_t)id + (size_t)i];
+        t->c[i] = corners[i];
         t->x[i] = s->places.at[t->c[i]];
     }
     for (k = 0; k < 3; k++) {
@@ -1235,45 +1240,66 @@ static int pbwsf__meet(const pbwsf__search *s, pbwsf__triangle *t, pbwsf__triang
         && (pbwsf__sides_meet(t, of_t, in_t, u) || pbwsf__sides_meet(u, of_u, in_u, t));
 }
 
+static int pbwsf__boxes_meet(const double *low, const double *high, const double *other_low,
+                             const double *other_high)
+{
+    return (low[0] <= other_high[0]) & (high[0] >= other_low[0]) & (low[1] <= other_high[1])
+         & (high[1] >= other_low[1]) & (low[2] <= other_high[2]) & (high[2] >= other_low[2]);
+}
+
+/* Returns whether triangles below two nodes may meet elsewhere than in a corner that all of them have: then a side
+   across from it meets a triangle. */
+static int pbwsf__nodes_meet(const pbwsf__node *a, const pbwsf__node *b)
+{
+    return pbwsf__boxes_meet(a->low, a->high, b->low, b->high)
+        && (a->apex != b->apex || a->apex == PBW_NONE || pbwsf__boxes_meet(a->far_low, a->far_high, b->low, b->high)
+            || pbwsf__boxes_meet(a->low, a->high, b->far_low, b->far_high));
+}
+
 /* Tests t against u, and keeps the pair if they meet. */
 static int pbwsf__test_pair(const pbwsf__search *s, pbwsf__triangle *t, pbwsf__triangle *u, pbwsf__keys *pairs)
 {
     const uint64_t low = t->id < u->id ? t->id : u->id, high = t->id < u->id ? u->id : t->id;
-    return t->low[0] > u->high[0] || t->high[0] < u->low[0] || t->low[1] > u->high[1] || t->high[1] < u->low[1]
-        || t->low[2] > u->high[2] || t->high[2] < u->low[2] || !pbwsf__meet(s, t, u)
+    return !pbwsf__boxes_meet(t->low, t->high, u->low, u->high) || !pbwsf__meet(s, t, u)
         || PBW_PUSH(s->memory, *pairs, low << 32 | high);
 }
 
-/* Tests the triangles of a leaf against each other and those of later leaves. */
-static int pbwsf__test_leaf(const pbwsf__search *s, size_t leaf, pbwsf__keys *pairs)
+/* Tests the triangles of leaf `at` against each other and those of later leaves. */
+static int pbwsf__test_leaf(const pbwsf__search *s, size_t at, pbwsf__keys *pairs)
 {
-    const pbwsf__box *box = s->tree.boxes.at + leaf;
-    const pbw_index *order = s->tree.order.at;
-    const size_t from = pbwsf__first_of(&s->tree, leaf), count = pbwsf__end_of(&s->surface, &s->tree, leaf) - from;
+    const pbwsf__node *node = s->nodes.at, *leaf = node + at;
+    size_t stack[PBWSF__DEPTH], i, k, from = PBWSF__LEAF * (at - s->first_leaf);
+    const size_t count = s->items.count - from < PBWSF__LEAF ? s->items.count - from : PBWSF__LEAF;
     pbwsf__triangle own[PBWSF__LEAF], other;
-    pbwsf__walk walk;
-    size_t i, k;
-    int good = 1;
+    int depth = 0, good = 1;
     for (i = 0; i < count; i++) {
-        pbwsf__load_triangle(s, order[from + i], own + i);
+        pbwsf__load_triangle(s, s->corners.at + 3 * (from + i), s->items.at[from + i], own + i);
         for (k = 0; k < i; k++) {
             good = good && pbwsf__test_pair(s, own + k, own + i, pairs);
         }
     }
-    walk.surface = &s->surface;
-    memcpy(walk.low, box->low, sizeof walk.low);
-    memcpy(walk.high, box->high, sizeof walk.high);
-    walk.depth = 0;
-    for (i = leaf; i > 0; i = (i - 1) / 2) {         /* the nodes on the right of the way up */
+    for (i = at; i > 0; i = (i - 1) / 2) {           /* the nodes on the right of the way up */
         if (i % 2 == 1) {
-            walk.stack[walk.depth++] = i + 1;
+            stack[depth++] = i + 1;
         }
     }
-    while (good && pbwsf__next_leaf(&walk)) {
-        for (k = walk.from; k < walk.to; k++) {
-            pbwsf__load_triangle(s, order[k], &other);
-            for (i = 0; i < count; i++) {
-                good = good && pbwsf__test_pair(s, own + i, &other, pairs);
+    while (depth > 0 && good) {
+        at = stack[--depth];
+        if (!pbwsf__nodes_meet(leaf, node + at)) {
+            continue;
+        }
+        if (at < s->first_leaf) {
+            stack[depth++] = 2 * at + 1;
+            stack[depth++] = 2 * at + 2;
+            continue;
+        }
+        from = PBWSF__LEAF * (at - s->first_leaf);
+        for (k = from; k < from + PBWSF__LEAF && k < s->items.count; k++) {
+            pbwsf__load_triangle(s, s->corners.at + 3 * k, s->items.at[k], &other);
+            if (pbwsf__boxes_meet(leaf->low, leaf->high, other.low, other.high)) {
+                for (i = 0; i < count; i++) {
+                    good = good && pbwsf__test_pair(s, own + i, &other, pairs);
+                }
             }
         }
     }
@@ -1320,6 +1346,15 @@ static void pbwsf__add_common(const double *const x[3], const double *a, const d
     pbwsf__between(a, b, fmax(from, to), out->at[out->count++]);
 }
 
+/* Of the caller's corners: room for those of places is freed. */
+static void pbwsf__load_found(const pbwsf__search *s, pbw_index id, pbwsf__triangle *t)
+{
+    int i;
+    for (i = 0; i < 3; i++) {
+        t->x[i] = s->points + 3 * (size_t)s->triangles[3 * (size_t)id + (size_t)i];
+    }
+}
+
 static pbw_status pbwsf__segment_range(void *arg, size_t from, size_t to)
 {
     pbwsf__search *s = (pbwsf__search *)arg;
@@ -1330,8 +1365,8 @@ static pbw_status pbwsf__segment_range(void *arg, size_t from, size_t to)
         pbwsf__common common;
         int i, j;
         common.count = 0;
-        pbwsf__load_triangle(s, pair[0], &t);
-        pbwsf__load_triangle(s, pair[1], &u);
+        pbwsf__load_found(s, pair[0], &t);
+        pbwsf__load_found(s, pair[1], &u);
         for (i = 0; i < 3; i++) {
             pbwsf__add_common(u.x, t.x[i], t.x[(i + 1) % 3], &common);
             pbwsf__add_common(t.x, u.x[i], u.x[(i + 1) % 3], &common);
@@ -1360,10 +1395,11 @@ static pbw_status pbwsf__flat_range(void *arg, size_t from, size_t to)
 {
     pbwsf__search *s = (pbwsf__search *)arg;
     for (; from < to; from++) {
-        pbwsf__triangle t;
+        const pbw_index *c = s->corners.at + 3 * from;
+        const double *x[3];
         int sign;
-        pbwsf__load_triangle(s, (pbw_index)from, &t);
-        s->flat.at[from] = pbwsf__axis_of(t.x, &sign) == 3;
+        x[0] = s->places.at[c[0]], x[1] = s->places.at[c[1]], x[2] = s->places.at[c[2]];
+        s->flat.at[from] = pbwsf__axis_of(x, &sign) == 3;
     }
     return PBW_OK;
 }
@@ -1379,11 +1415,117 @@ static pbw_status pbwsf__list_flat(void *arg, size_t from, size_t to)
     return PBW_OK;
 }
 
-static pbw_status pbwsf__box_range(void *arg, size_t from, size_t to)
+/* Of a triangle the corner that all triangles from .. to - 1 have, too; PBW_NONE: none, or there is one triangle. */
+static pbw_index pbwsf__common_corner(const pbw_index *corners, size_t from, size_t to)
+{
+    size_t i;
+    int j, k;
+    for (k = 0; k < 3 && to > from + 1; k++) {
+        const pbw_index c = corners[3 * from + (size_t)k];
+        for (i = from + 1, j = 0; i < to && j < 3; i++) {
+            for (j = 0; j < 3 && corners[3 * i + (size_t)j] != c; j++) {
+            }
+        }
+        if (j < 3) {
+            return c;
+        }
+    }
+    return PBW_NONE;
+}
+
+static void pbwsf__extend(double *low, double *high, const double *by_low, const double *by_high)
+{
+    int k;
+    for (k = 0; k < 3; k++) {
+        low[k] = by_low[k] < low[k] ? by_low[k] : low[k];
+        high[k] = by_high[k] > high[k] ? by_high[k] : high[k];
+    }
+}
+
+static void pbwsf__empty_node(pbwsf__node *node)
+{
+    int k;
+    for (k = 0; k < 3; k++) {
+        node->low[k] = node->far_low[k] = HUGE_VAL;
+        node->high[k] = node->far_high[k] = -HUGE_VAL;
+    }
+    node->apex = PBW_NONE;
+}
+
+static pbw_status pbwsf__leaf_range(void *arg, size_t from, size_t to)
 {
     pbwsf__search *s = (pbwsf__search *)arg;
-    pbwsf__fill_boxes(&s->surface, &s->tree, s->tree.first_leaf + from, s->tree.first_leaf + to);
+    for (; from < to; from++) {
+        pbwsf__node *leaf = s->nodes.at + s->first_leaf + from;
+        const size_t first = PBWSF__LEAF * from, next = first + PBWSF__LEAF;
+        const size_t end = next < s->items.count ? next : s->items.count;
+        size_t i;
+        pbwsf__empty_node(leaf);
+        leaf->apex = pbwsf__common_corner(s->corners.at, first, end);
+        for (i = 3 * first; i < 3 * end; i++) {
+            const double *x = s->places.at[s->corners.at[i]];
+            pbwsf__extend(leaf->low, leaf->high, x, x);
+            if (s->corners.at[i] != leaf->apex) {
+                pbwsf__extend(leaf->far_low, leaf->far_high, x, x);
+            }
+        }
+    }
     return PBW_OK;
+}
+
+static void pbwsf__fill_node(pbwsf__node *node, const pbwsf__node *child)
+{
+    int i;
+    pbwsf__empty_node(node);
+    for (i = 0; i < 2; i++) {
+        pbwsf__extend(node->low, node->high, child[i].low, child[i].high);
+        pbwsf__extend(node->far_low, node->far_high, child[i].far_low, child[i].far_high);
+    }
+    node->apex = child[0].apex == child[1].apex ? child[0].apex : PBW_NONE;
+}
+
+/* The corners of items, in their order. */
+static pbw_status pbwsf__gather_range(void *arg, size_t from, size_t to)
+{
+    pbwsf__search *s = (pbwsf__search *)arg;
+    for (; from < to; from++) {
+        memcpy(s->room.at + 3 * from, s->corners.at + 3 * (size_t)s->items.at[from], 3 * sizeof *s->room.at);
+    }
+    return PBW_OK;
+}
+
+/* Makes the tree: items become the triangles that may meet, corners those of theirs. */
+static pbw_status pbwsf__plant(pbwsf__search *s)
+{
+    pbw_status status;
+    size_t i, leaves = 1;
+    for (i = s->items.count = 0; i < s->triangle_count; i++) {
+        if (!s->flat.at[i]) {
+            s->items.at[s->items.count++] = (pbw_index)i;
+        }
+    }
+    PBW_RELEASE(s->memory, s->flat);
+    status = pbwsf__sort_items(s, 3, 4);
+    if (status == PBW_OK && !PBW_FIT(s->memory, s->room, 3 * s->items.count + 1)) {
+        status = PBW_ERROR_MEMORY;
+    }
+    status = status != PBW_OK ? status
+           : pbw_for(pbwsf__next_part(s, 0.02, 0), s->items.count, 16384, pbwsf__gather_range, s);
+    PBW_RELEASE(s->memory, s->corners);
+    s->corners = s->room;
+    memset(&s->room, 0, sizeof s->room);
+    while (leaves * PBWSF__LEAF < s->items.count) {
+        leaves *= 2;
+    }
+    s->first_leaf = leaves - 1;
+    if (status == PBW_OK && !PBW_FIT(s->memory, s->nodes, 2 * leaves - 1)) {
+        status = PBW_ERROR_MEMORY;
+    }
+    status = status != PBW_OK ? status : pbw_for(pbwsf__next_part(s, 0.05, 0), leaves, 4096, pbwsf__leaf_range, s);
+    for (i = s->first_leaf; i-- > 0 && status == PBW_OK;) {
+        pbwsf__fill_node(s->nodes.at + i, s->nodes.at + 2 * i + 1);
+    }
+    return status;
 }
 
 static pbw_status pbwsf__pair_range(void *arg, size_t from, size_t to)
@@ -1391,37 +1533,24 @@ static pbw_status pbwsf__pair_range(void *arg, size_t from, size_t to)
     pbwsf__search *s = (pbwsf__search *)arg;
     pbwsf__keys *pairs = s->pairs.at + from / PBWSF__LEAVES;
     for (; from < to; from++) {
-        if (!pbwsf__test_leaf(s, s->tree.first_leaf + from, pairs)) {
+        if (!pbwsf__test_leaf(s, s->first_leaf + from, pairs)) {
             return PBW_ERROR_MEMORY;
         }
     }
     return PBW_OK;
 }
 
-/* Fills the tree, and the pairs of each range of its leaves. */
+/* Fills the pairs of each range of leaves. */
 static pbw_status pbwsf__find_pairs(pbwsf__search *s)
 {
-    pbw_status status;
-    size_t leaves;
-    s->surface.points = s->places.at[0];
-    s->surface.triangles = s->corners.at;
-    s->surface.triangle_count = s->tree.order.count;
-    s->surface.memory = &s->tree;
-    leaves = (s->tree.order.count + PBWSF__LEAF - 1) / PBWSF__LEAF;
-    if (!pbwsf__plant(s->memory, &s->surface, &s->tree)
-        || !PBW_ZEROS(s->memory, s->pairs, leaves / PBWSF__LEAVES + 1)) {
-        return PBW_ERROR_MEMORY;
-    }
-    status = pbw_for(pbwsf__next_part(s, 0.05, 0), s->tree.nodes - s->tree.first_leaf, 4096, pbwsf__box_range, s);
-    if (status == PBW_OK) {
-        pbwsf__fill_boxes(&s->surface, &s->tree, 0, s->tree.first_leaf);
-        status = pbw_for(pbwsf__next_part(s, 0.25, 0), leaves, PBWSF__LEAVES, pbwsf__pair_range, s);
-    }
-    return status;
+    const size_t leaves = (s->items.count + PBWSF__LEAF - 1) / PBWSF__LEAF;
+    return !PBW_ZEROS(s->memory, s->pairs, leaves / PBWSF__LEAVES + 1) ? PBW_ERROR_MEMORY
+         : pbw_for(pbwsf__next_part(s, 0.25, 0), leaves, PBWSF__LEAVES, pbwsf__pair_range, s);
 }
 
-/* Puts items of `each` numbers, the first of which are ascending in `order`, in that order. */
-static int pbwsf__permute(pbw_memory *memory, const pbw_index *order, size_t count, size_t each, pbwsf__indices *items)
+/* Puts `count` items of `each` numbers in an order. */
+static int pbwsf__permute(pbw_memory *memory, const pbw_index *order, size_t count, size_t each,
+                          pbwsf__indices *items)
 {
     pbwsf__indices sorted = { NULL, 0, 0 };
     size_t i;
@@ -1494,15 +1623,14 @@ static pbw_status pbwsf__find_all(pbwsf__search *s)
     for (i = 0; i < 3 * s->point_count; i++) {
         s->least = fabs(s->points[i]) < 1e90 ? s->least : HUGE_VAL;
     }
-    status = status != PBW_OK ? status : pbwsf__sort_sides(s);
-    if (status == PBW_OK && (!PBW_FIT(s->memory, s->flat, count + 1) || !PBW_FIT(s->memory, s->tree.order, count + 1))) {
+    status = status != PBW_OK ? status : pbwsf__sort_items(s, 0, 2);
+    if (status == PBW_OK && !PBW_FIT(s->memory, s->flat, count + 1)) {
         status = PBW_ERROR_MEMORY;
     }
     status = status != PBW_OK ? status : pbw_for(pbwsf__next_part(s, 0.02, 0), count, 4096, pbwsf__flat_range, s);
     status = status != PBW_OK ? status : pbwsf__in_order(s, 0.01, count, pbwsf__list_flat);
     status = status != PBW_OK ? status : pbwsf__in_order(s, 0.05, 3 * count, pbwsf__edge_range);
-    PBW_RELEASE(s->memory, s->sides);
-    PBW_RELEASE(s->memory, s->flat);
+    status = status != PBW_OK ? status : pbwsf__plant(s);
     status = status != PBW_OK ? status : pbwsf__sort_pairs(s, &s->found->edges, &s->found->edge_triangles);
     status = status != PBW_OK ? status : pbwsf__sort_pairs(s, &s->found->duplicates, NULL);
     status = status != PBW_OK ? status : pbwsf__find_pairs(s);
@@ -1520,12 +1648,12 @@ static void pbwsf__free_search(pbwsf__search *s)
     PBW_RELEASE(s->memory, s->first);
     PBW_RELEASE(s->memory, s->places);
     PBW_RELEASE(s->memory, s->corners);
-    PBW_RELEASE(s->memory, s->sides);
+    PBW_RELEASE(s->memory, s->items);
     PBW_RELEASE(s->memory, s->room);
     PBW_RELEASE(s->memory, s->start);
     PBW_RELEASE(s->memory, s->flat);
-    PBW_RELEASE(s->memory, s->tree.order);
-    PBW_RELEASE(s->memory, s->tree.boxes);
+    PBW_RELEASE(s->memory, s->degree);
+    PBW_RELEASE(s->memory, s->nodes);
 }
 
 static void pbwsf__show(const pbwsf__found *f, pbw_surface_faults *faults)
@@ -1633,7 +1761,6 @@ PBWSURFACEDEF void pbw_surface_faults_free(pbw_surface_faults *faults)
      pbwsf__bytes       adapt3 improve mesh3           tree
      pbwsf__corner      mesh3                          tree
      pbwsf__normal_of   mesh3                          tree
-     pbwsf__all_met     mesh3                          queries
      pbwsf__nearest_in  mesh3                          queries
      pbwsf__ray         mesh3                          queries
    ------------------------------------------------------------------------------------------------------ */

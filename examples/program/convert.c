@@ -68,8 +68,7 @@ static pbwio_status write_one(job *j, const char *path, const char *ending, void
                                       : pbwmodel_write(path, content, j->write.flags, error);
 }
 
-/* What is written of points and faces: groups and columns of the input. */
-static void fill_surface(const job *j, pbwmodel_content *content, pbwio_output *output)
+void fill_surface(const job *j, pbwmodel_content *content, pbwio_output *output)
 {
     const pbwio_cloud *c = &j->cloud;
     *output = j->write;

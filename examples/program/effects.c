@@ -34,6 +34,7 @@ static const rule rules[] = {
       .needs = ".vtu .msh .msh2 .mesh .node .ele .face .edge .xyz .csv .txt .pts .asc .dat .tsv" },
     { .commands = "view", .option = "--points",
       .excludes = "--inside --weights --threads --memory-limit --cut-through" },
+    { .commands = "check", .option = "--retriangulate", .excludes = ".vtu .obj .csv .html" },
     { .commands = "convert", .option = "--tile", .needs = "*.pbwt" },
     { .commands = "convert", .option = "--weights", .needs = ".bin" },
     { .commands = "sample", .option = "--count", .excludes = "--radius" },

@@ -378,7 +378,7 @@ static void set_up_view(const job *j, pbwview_options *view)
     memcpy(view->cut, j->picture.cut, sizeof view->cut);
 }
 
-static pbwio_status write_page(const job *j, const char *path, pbwio_error *error)
+pbwio_status write_mesh_page(const job *j, const char *path, pbwio_error *error)
 {
     const pbw_mesh *mesh = &j->mesh;
     size_t traced = j->build.trace != NULL && mesh->simplex_count > 0 ? mesh->point_count : 0;
@@ -446,7 +446,7 @@ static pbwio_status write_one(job *j, const char *path, const char *ending, void
         return pbwpic_write(path, &j->mesh, &j->picture, error);
     }
     if (strcmp(ending, "html") == 0) {
-        return write_page(j, path, error);
+        return write_mesh_page(j, path, error);
     }
     if (strcmp(ending, "geojson") == 0) {
         return write_triangles(path, &j->mesh, &j->write, error);

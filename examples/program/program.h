@@ -42,7 +42,7 @@
 #define PRINTF(a, b)
 #endif
 
-enum { MOST_OUTPUTS = 32, FAILURE = 1, USAGE = 2 };
+enum { MOST_OUTPUTS = 32, FAILURE = 1, USAGE = 2, MOST_SHOWN = 10 };
 
 /* ---- options ---- */
 
@@ -238,6 +238,7 @@ int add_points(job *j);
 int check_outputs(const job *j);                                      /* before the work; each returns 0 or USAGE */
 const char *ending_of(const job *j, const char *path);                /* of what the command writes; NULL: none */
 int writes_pages(const job *j);
+pbwio_status write_mesh_page(const job *j, const char *path, pbwio_error *error);
 int write_mesh(job *j);
 int write_model(job *j, pbwmodel_content *content);
 /* Writes each output by a function that gets its path, its ending and user. */
@@ -254,6 +255,13 @@ int find_patches(job *j, const pbw_index *simplices, size_t count);
 /* The outputs have the groups of the input's elements; j->mesh is of its simplices. */
 int keep_groups(job *j);
 void drop_groups(job *j);                                             /* the outputs have no groups, and no edges */
+
+/* ---- view.c, convert.c: faces in space ---- */
+
+/* j->mesh becomes the faces of the cloud, a mesh of x and y with heights; it borrows: nothing in it is pbw_free's. */
+int show_faces(job *j);
+/* Fills in what is written of points and faces: groups and columns of the input. */
+void fill_surface(const job *j, pbwmodel_content *content, pbwio_output *output);
 
 /* ---- diagram.c ---- */
 
@@ -325,5 +333,9 @@ int convert_pbwt(job *j, pbw_mesh *mesh);                          /* the tile o
 
 /* Reports the faults of a surface; details: where they are.  Returns whether it has an inside. */
 int describe_surface(job *j, const pbwio_cloud *cloud, int details);
+
+/* ---- faults.c ---- */
+
+int check_faces(job *j);                                              /* reports and writes the faults of a surface */
 
 #endif

@@ -61,7 +61,8 @@ static void warn_of(const job *j, const pbw_solid_report *r)
         list_holes(j, r);
     }
     if (r->crossings > 0) {
-        warn(j, "the surface meets itself: %zu edge%s of it, with triangles elsewhere", COUNT(r->crossings));
+        warn(j, "the surface meets itself: %zu pair%s of faces, the first at (%.6g, %.6g, %.6g); pbw check lists "
+             "them", COUNT(r->crossings), r->crossing_place[0], r->crossing_place[1], r->crossing_place[2]);
     }
     if (r->acute_edges > 0) {
         warn(j, "%zu sharp edge%s of the surface below 60 degrees, the least %.2f: tetrahedra there are no better",

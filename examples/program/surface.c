@@ -2,8 +2,6 @@
    In: triangles.  Out: lines of the report.  Points at one place are taken for one, the first of them. */
 #include "program.h"
 
-enum { MOST_SHOWN = 10 };
-
 typedef struct place { double x[3]; pbw_index id; } place;
 typedef struct side { pbw_index a, b, face; int back; } side;          /* a < b; back: the face runs from b to a */
 typedef struct part { size_t faces, open, crowded, turned; double volume; } part;

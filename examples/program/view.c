@@ -6,8 +6,7 @@ static const option view_options[] = {
     { NULL, NULL, NULL, SWITCH, 0, 0, NULL }
 };
 
-/* Faces in space: a mesh of x and y with heights.  Borrowed: nothing in it is pbw_free's. */
-static int show_faces(job *j)
+int show_faces(job *j)
 {
     const size_t n = j->cloud.count;
     size_t i;

@@ -1,4 +1,4 @@
-/* pbw_domains.c: domains in the plane, solids and better tetrahedra. */
+/* pbw_domains.c: domains in the plane, solids, better tetrahedra, and faults of surfaces. */
 #include "pbw_python.h"
 
 /* pbw_plane_make, or pbw_plane_from_triangles if there are some, and pbw_plane_smooth; the plane is freed by
@@ -50,4 +50,12 @@ int pbw_python_solid(const pbw_solid_input *input, const pbw_solid_options *how,
 {
     const pbw_options options = watched(w);
     return (int)pbw_solid(input, how, &options, mesh, boundary, report);
+}
+
+int pbw_python_crossings(const double *points, size_t point_count, const pbw_index *triangles, size_t triangle_count,
+                         int threads, const watch *w, pbw_surface_faults *faults)
+{
+    pbw_options options = watched(w);
+    options.threads = threads;
+    return (int)pbw_surface_crossings(points, point_count, triangles, triangle_count, &options, faults);
 }

@@ -61,6 +61,8 @@ int pbw_python_improve(const pbw_tets *mesh, const pbw_improve_options *how, con
                        pbw_tets *better, pbw_improve_report *report);
 int pbw_python_solid(const pbw_solid_input *input, const pbw_solid_options *how, const watch *w, pbw_tets *mesh,
                      pbw_solid_boundary *boundary, pbw_solid_report *report);
+int pbw_python_crossings(const double *points, size_t point_count, const pbw_index *triangles, size_t triangle_count,
+                         int threads, const watch *w, pbw_surface_faults *faults);
 
 /* For the files of the library alone. */
 int pbw_python_progress(void *user, pbw_stage stage, double done);

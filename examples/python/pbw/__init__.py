@@ -16,6 +16,7 @@
     pbw.triangulate(dict(vertices=v, segments=s, holes=h), "pq30a0.1")     # as the package triangle has it
     pbw.triangulate(dict(vertices=v, triangles=t, triangle_attributes=r), "r", smooth="odt")     # regions stay
     pbw.polygon([outline, hole])                     # triangles of a polygon with holes
+    pbw.check_surface(vertices, faces).crossings     # pairs of triangles that meet; other faults
     solid = pbw.solid(vertices, faces, size=0.1)     # tetrahedra inside a closed surface
     better = pbw.improve(points, tets, target=30)    # any tetrahedra: dihedral angles of 30 to 150 degrees
     meshio.Mesh(solid.points, {"tetra": solid.tets}).write("solid.vtu")
@@ -48,7 +49,8 @@ from ._interpolate import interpolate
 from ._library import version as __version__
 from ._live import Changes, Live
 from ._plane import polygon, triangulate
+from ._surface import SurfaceFaults, check_surface
 from ._tets import Tets, improve, solid
 
-__all__ = ["Cells", "Changes", "Delaunay", "Error", "Live", "QhullError", "Tets", "Voronoi", "improve", "interpolate",
-           "lloyd", "polygon", "power_cells", "solid", "triangulate", "tsearch", "__version__"]
+__all__ = ["Cells", "Changes", "Delaunay", "Error", "Live", "QhullError", "SurfaceFaults", "Tets", "Voronoi",
+           "check_surface", "improve", "interpolate", "lloyd", "polygon", "power_cells", "solid", "triangulate", "tsearch", "__version__"]
