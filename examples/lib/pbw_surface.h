@@ -1269,7 +1269,7 @@ static int pbwsf__test_leaf(const pbwsf__search *s, size_t at, pbwsf__keys *pair
 {
     const pbwsf__node *node = s->nodes.at, *leaf = node + at;
     size_t stack[PBWSF__DEPTH], i, k, from = PBWSF__LEAF * (at - s->first_leaf);
-    const size_t count = s->items.count - from < PBWSF__LEAF ? s->items.count - from : PBWSF__LEAF;
+    const size_t left = s->items.count - from, most = PBWSF__LEAF, count = left < most ? left : most;
     pbwsf__triangle own[PBWSF__LEAF], other;
     int depth = 0, good = 1;
     for (i = 0; i < count; i++) {
