@@ -197,56 +197,11 @@ PBW_CONTRACTION_OFF
    >>memory       Memory: growing arrays through options.resize.
    Holds: used = the sum of all live arrays; over the limit nothing grows.
    ------------------------------------------------------------------------------------------------------ */
-typedef struct pbwc__array { void *data; size_t count, bytes; } pbwc__array;     /* count: the owner's */
-
-static void pbwc__release(pbw_memory *memory, pbwc__array *array)
-{
-    if (array->data != NULL) {
-        (void)pbw_memory_resize(memory, array->data, array->bytes, 0, 1);
-    }
-    memset(array, 0, sizeof *array);
-}
-
-/* Makes the array `bytes` long.  Returns 0 and leaves it alone if there is no memory. */
-static int pbwc__resize(pbw_memory *memory, pbwc__array *array, size_t bytes)
-{
-    void *data = pbw_memory_resize(memory, array->data, array->bytes, bytes, 1);
-    if (data == NULL) {
-        return 0;
-    }
-    array->data = data;
-    array->bytes = bytes;
-    return 1;
-}
-
-static int pbwc__grow_array(pbw_memory *memory, pbwc__array *array, size_t need)
-{
-    const size_t twice = 2 * array->bytes;
-    return pbwc__resize(memory, array, need > twice ? need + 256 : twice);
-}
-
-/* Makes room for `extra` items after the last.  Returns the place of the first of them, or NULL. */
-PBW_INLINE void *pbwc__room(pbw_memory *memory, pbwc__array *array, size_t extra, size_t size)
-{
-    const size_t need = (array->count + extra) * size;
-    if (need > array->bytes && !pbwc__grow_array(memory, array, need)) {
-        return NULL;
-    }
-    return (char *)array->data + array->count * size;
-}
-
-PBW_INLINE int pbwc__push(pbw_memory *memory, pbwc__array *array, pbw_index item)
-{
-    pbw_index *place = (pbw_index *)pbwc__room(memory, array, 1, sizeof item);
-    if (place == NULL) {
-        return 0;
-    }
-    *place = item;
-    array->count++;
-    return 1;
-}
-#define PBWC__INDICES(array) ((pbw_index *)(array).data)
-#define PBWC__DOUBLES(array) ((double *)(array).data)
+typedef PBW_ARRAY(double) pbwc__doubles;
+typedef PBW_ARRAY(pbw_index) pbwc__indices;
+typedef PBW_ARRAY(size_t) pbwc__sizes;
+typedef PBW_ARRAY(unsigned char) pbwc__bytes;
+typedef double pbwc__vector[3];
 
 /* ------------------------------------------------------------------------------------------------------
    >>centres      Where the bisectors (with weights: radical planes) of a simplex meet.
@@ -260,6 +215,8 @@ typedef struct pbwc__job pbwc__job;
 static void pbwc__job_start(pbwc__job *job, unsigned what, const pbw_options *options);
 typedef struct pbwc__period pbwc__period;
 typedef struct pbwc__clip pbwc__clip;
+typedef struct pbwc__visit pbwc__visit;
+typedef PBW_ARRAY(pbwc__visit) pbwc__visits;
 #define PBWC__GOOD   1u                    /* the centre is right to 12 digits */
 #define PBWC__INSIDE 2u                    /* it is in the domain, for certain */
 
@@ -268,6 +225,7 @@ typedef struct pbwc__centre {
     pbw_index simplex;
     unsigned flags;                        /* PBWC__GOOD and so on, or'ed */
 } pbwc__centre;
+typedef PBW_ARRAY(pbwc__centre) pbwc__centres;
 
 /* Returns whether doubles are enough for the centre.  det: 6 times the volume; largest: the largest squared edge at
    corner 0. */
@@ -471,8 +429,8 @@ static double pbwc__exact_value(const pbwc__exact *a)
    Holds: each edge of a polytope in space is in two loops, once in each direction; so the surface is closed.
    ------------------------------------------------------------------------------------------------------ */
 typedef struct pbwc__poly {
-    pbwc__array x;                         /* 3 doubles a corner (in the plane the last is 0); some in no loop */
-    pbwc__array name, start, loop;         /* per facet: the neighbour or wall, where its loop starts; the loops */
+    PBW_ARRAY(pbwc__vector) x;             /* the corners (in the plane the last number is 0); some in no loop */
+    pbwc__indices name, start, loop;       /* per facet: the neighbour or wall, where its loop starts; the loops */
 } pbwc__poly;
 
 typedef struct pbwc__spot {                /* where three planes meet, by the names of their facets */
@@ -483,9 +441,9 @@ typedef struct pbwc__spot {                /* where three planes meet, by the na
 
 typedef struct pbwc__cutter {
     pbwc__poly poly, next;
-    pbwc__array side;                      /* per corner: distance beyond the plane, scaled */
-    pbwc__array edges, cap;                /* cut edges: two corners and the new one; after each corner in the cap */
-    pbwc__array spots;                     /* per corner, where signs are exact; else there are none */
+    pbwc__doubles side;                    /* per corner: distance beyond the plane, scaled */
+    pbwc__indices edges, cap;              /* cut edges: two corners and the new one; after each corner in the cap */
+    PBW_ARRAY(pbwc__spot) spots;           /* per corner, where signs are exact; else there are none */
 } pbwc__cutter;
 
 #define PBWC__TINY 2.3e-308                /* a distance from a plane that is next to none */
@@ -497,30 +455,30 @@ static void pbwc__poly_clear(pbwc__poly *poly)
 
 static void pbwc__poly_release(pbw_memory *memory, pbwc__poly *poly)
 {
-    pbwc__release(memory, &poly->x);
-    pbwc__release(memory, &poly->name);
-    pbwc__release(memory, &poly->start);
-    pbwc__release(memory, &poly->loop);
+    PBW_RELEASE(memory, poly->x);
+    PBW_RELEASE(memory, poly->name);
+    PBW_RELEASE(memory, poly->start);
+    PBW_RELEASE(memory, poly->loop);
 }
 
 static void pbwc__cutter_release(pbw_memory *memory, pbwc__cutter *cutter)
 {
     pbwc__poly_release(memory, &cutter->poly);
     pbwc__poly_release(memory, &cutter->next);
-    pbwc__release(memory, &cutter->side);
-    pbwc__release(memory, &cutter->edges);
-    pbwc__release(memory, &cutter->cap);
-    pbwc__release(memory, &cutter->spots);
+    PBW_RELEASE(memory, cutter->side);
+    PBW_RELEASE(memory, cutter->edges);
+    PBW_RELEASE(memory, cutter->cap);
+    PBW_RELEASE(memory, cutter->spots);
 }
 
 static size_t pbwc__loop_end(const pbwc__poly *poly, size_t facet)
 {
-    return facet + 1 < poly->start.count ? PBWC__INDICES(poly->start)[facet + 1] : poly->loop.count;
+    return facet + 1 < poly->start.count ? poly->start.at[facet + 1] : poly->loop.count;
 }
 
 static int pbwc__open_facet(pbw_memory *memory, pbwc__poly *poly, pbw_index name)
 {
-    return pbwc__push(memory, &poly->start, (pbw_index)poly->loop.count) && pbwc__push(memory, &poly->name, name);
+    return PBW_PUSH(memory, poly->start, (pbw_index)poly->loop.count) && PBW_PUSH(memory, poly->name, name);
 }
 
 /* The box with low and high corner, its walls named as in pbw_cells.neighbors. */
@@ -530,44 +488,41 @@ static int pbwc__poly_box(pbw_memory *memory, pbwc__poly *poly, int dim, const d
                                               { 0, 2, 3, 1 }, { 4, 5, 7, 6 } };
     static const unsigned char edge[4][2] = { { 0, 2 }, { 1, 1 }, { 3, 3 }, { 2, 0 } };     /* corner, wall */
     const unsigned corners = dim == 3 ? 8 : 4;
-    double *x;
     unsigned i, k;
     pbwc__poly_clear(poly);
     poly->x.count = 0;
-    x = (double *)pbwc__room(memory, &poly->x, corners, 3 * sizeof(double));
-    for (i = 0; x != NULL && i < corners; i++, poly->x.count++) {
+    if (!PBW_RESERVE(memory, poly->x, corners)) {
+        return 0;
+    }
+    for (i = 0; i < corners; i++, poly->x.count++) {
         for (k = 0; k < 3; k++) {
-            x[3 * i + k] = k == 2 && dim == 2 ? 0 : (i >> k & 1) != 0 ? high[k] : low[k];
+            poly->x.at[i][k] = k == 2 && dim == 2 ? 0 : (i >> k & 1) != 0 ? high[k] : low[k];
         }
     }
     for (i = 0; dim == 3 && i < 24; i++) {
         if ((i % 4 == 0 && !pbwc__open_facet(memory, poly, PBW_NONE - 1 - i / 4))
-            || !pbwc__push(memory, &poly->loop, face[i / 4][i % 4])) {
+            || !PBW_PUSH(memory, poly->loop, face[i / 4][i % 4])) {
             return 0;
         }
     }
     for (i = 0; dim == 2 && i < 4; i++) {
         if (!pbwc__open_facet(memory, poly, PBW_NONE - 1 - edge[i][1])
-            || !pbwc__push(memory, &poly->loop, edge[i][0])) {
+            || !PBW_PUSH(memory, poly->loop, edge[i][0])) {
             return 0;
         }
     }
-    return x != NULL;
+    return 1;
 }
 
 /* Adds a corner where planes meet.  Returns 0 if there is no memory. */
 static int pbwc__add_spot(pbw_memory *memory, pbwc__cutter *cutter, pbw_index a, pbw_index b, pbw_index c)
 {
-    pbwc__spot *spot = (pbwc__spot *)pbwc__room(memory, &cutter->spots, 1, sizeof *spot);
-    if (spot == NULL) {
-        return 0;
-    }
-    spot->plane[0] = a;
-    spot->plane[1] = b;
-    spot->plane[2] = c;
-    spot->known = 0;
-    cutter->spots.count++;
-    return 1;
+    pbwc__spot spot;
+    spot.plane[0] = a;
+    spot.plane[1] = b;
+    spot.plane[2] = c;
+    spot.known = 0;
+    return PBW_PUSH(memory, cutter->spots, spot);
 }
 
 /* Returns the new corner on the edge from p to q of a facet, made at its first use; PBW_NONE if there is no memory.
@@ -576,29 +531,28 @@ static pbw_index pbwc__cut_edge(pbw_memory *memory, pbwc__cutter *cutter, pbw_in
                                 pbw_index name)
 {
     const pbw_index low = p < q ? p : q, high = p < q ? q : p;
-    const double *side = PBWC__DOUBLES(cutter->side);
-    pbw_index *edge = PBWC__INDICES(cutter->edges);
-    double *x, t;
+    const double *side = cutter->side.at;
+    pbw_index *edge = cutter->edges.at;
+    double t;
     size_t i;
     for (i = cutter->edges.count; i > 0; i -= 3) {
         if (edge[i - 3] == low && edge[i - 2] == high) {
             if (cutter->spots.count > 0) {
-                ((pbwc__spot *)cutter->spots.data)[edge[i - 1]].plane[1] = facet;
+                cutter->spots.at[edge[i - 1]].plane[1] = facet;
             }
             return edge[i - 1];
         }
     }
-    x = (double *)pbwc__room(memory, &cutter->poly.x, 1, 3 * sizeof(double));
-    edge = (pbw_index *)pbwc__room(memory, &cutter->edges, 3, sizeof(pbw_index));
-    if (x == NULL || edge == NULL
+    if (!PBW_RESERVE(memory, cutter->poly.x, 1) || !PBW_RESERVE(memory, cutter->edges, 3)
         || (cutter->spots.count > 0 && !pbwc__add_spot(memory, cutter, facet, PBW_NONE, name))) {
         return PBW_NONE;
     }
     t = side[low] / (side[low] - side[high]);
     for (i = 0; i < 3; i++) {
-        const double *a = PBWC__DOUBLES(cutter->poly.x) + 3 * low, *b = PBWC__DOUBLES(cutter->poly.x) + 3 * high;
-        x[i] = a[i] + t * (b[i] - a[i]);
+        const double a = cutter->poly.x.at[low][i], b = cutter->poly.x.at[high][i];
+        cutter->poly.x.at[cutter->poly.x.count][i] = a + t * (b - a);
     }
+    edge = cutter->edges.at + cutter->edges.count;
     edge[0] = low;
     edge[1] = high;
     edge[2] = (pbw_index)cutter->poly.x.count++;
@@ -609,7 +563,7 @@ static pbw_index pbwc__cut_edge(pbw_memory *memory, pbwc__cutter *cutter, pbw_in
 /* Is a corner on the plane of the cut?  New ones are. */
 static int pbwc__is_on(const pbwc__cutter *cutter, pbw_index corner)
 {
-    const double *side = PBWC__DOUBLES(cutter->side);
+    const double *side = cutter->side.at;
     return corner >= cutter->side.count || !(side[corner] < 0 || side[corner] > 0);
 }
 
@@ -617,12 +571,11 @@ static int pbwc__is_on(const pbwc__cutter *cutter, pbw_index corner)
    Returns 0 if there is no memory. */
 static int pbwc__cut_loop(pbw_memory *memory, pbwc__cutter *cutter, size_t facet, pbw_index name)
 {
-    const double *side = PBWC__DOUBLES(cutter->side);
-    const size_t begin = PBWC__INDICES(cutter->poly.start)[facet], end = pbwc__loop_end(&cutter->poly, facet);
-    const pbw_index own = PBWC__INDICES(cutter->poly.name)[facet];
-    const pbw_index *loop = PBWC__INDICES(cutter->poly.loop);
-    pbw_index *out = (pbw_index *)pbwc__room(memory, &cutter->next.loop, 2 * (end - begin), sizeof(pbw_index));
-    pbw_index *after;
+    const double *side = cutter->side.at;
+    const size_t begin = cutter->poly.start.at[facet], end = pbwc__loop_end(&cutter->poly, facet);
+    const pbw_index own = cutter->poly.name.at[facet];
+    const pbw_index *loop = cutter->poly.loop.at;
+    pbw_index *out;
     size_t i, count = 0;
     int inside = 0;
     for (i = begin; i < end; i++) {
@@ -631,9 +584,10 @@ static int pbwc__cut_loop(pbw_memory *memory, pbwc__cutter *cutter, size_t facet
     if (!inside) {                                   /* at most an edge of it is left */
         return 1;
     }
-    if (out == NULL || !pbwc__open_facet(memory, &cutter->next, own)) {
+    if (!PBW_RESERVE(memory, cutter->next.loop, 2 * (end - begin)) || !pbwc__open_facet(memory, &cutter->next, own)) {
         return 0;
     }
+    out = cutter->next.loop.at + cutter->next.loop.count;
     for (i = begin; i < end; i++) {
         const pbw_index a = loop[i], b = loop[i + 1 < end ? i + 1 : begin];
         if (!(side[a] > 0)) {
@@ -647,16 +601,16 @@ static int pbwc__cut_loop(pbw_memory *memory, pbwc__cutter *cutter, size_t facet
             out[count++] = cut;
         }
     }
-    after = (pbw_index *)pbwc__room(memory, &cutter->cap, cutter->poly.x.count - cutter->cap.count, sizeof *after);
-    if (after == NULL) {
+    if (!PBW_RESERVE(memory, cutter->cap, cutter->poly.x.count - cutter->cap.count)) {
         return 0;
     }
-    memset(after, 0xff, (cutter->poly.x.count - cutter->cap.count) * sizeof *after);        /* PBW_NONE */
-    cutter->cap.count = cutter->poly.x.count;
+    while (cutter->cap.count < cutter->poly.x.count) {
+        cutter->cap.at[cutter->cap.count++] = PBW_NONE;
+    }
     for (i = 0; i < count; i++) {
         const pbw_index a = out[i], b = out[i + 1 < count ? i + 1 : 0];
         if (pbwc__is_on(cutter, a) && pbwc__is_on(cutter, b)) {
-            PBWC__INDICES(cutter->cap)[b] = a;
+            cutter->cap.at[b] = a;
         }
     }
     cutter->next.loop.count += count;
@@ -666,24 +620,24 @@ static int pbwc__cut_loop(pbw_memory *memory, pbwc__cutter *cutter, size_t facet
 /* In the plane: cuts the loop of all edges.  The edge of the cut starts where the loop leaves the half-plane. */
 static int pbwc__cut_polygon(pbw_memory *memory, pbwc__cutter *cutter, pbw_index name)
 {
-    const double *side = PBWC__DOUBLES(cutter->side);
+    const double *side = cutter->side.at;
     const size_t count = cutter->poly.loop.count;
     size_t i;
     int inside = 0;
     for (i = 0; i < count; i++) {
-        inside |= side[PBWC__INDICES(cutter->poly.loop)[i]] < 0;
+        inside |= side[cutter->poly.loop.at[i]] < 0;
     }
     for (i = 0; i < count && inside; i++) {
-        const pbw_index *loop = PBWC__INDICES(cutter->poly.loop);
-        const pbw_index a = loop[i], b = loop[i + 1 < count ? i + 1 : 0], edge = PBWC__INDICES(cutter->poly.name)[i];
+        const pbw_index *loop = cutter->poly.loop.at;
+        const pbw_index a = loop[i], b = loop[i + 1 < count ? i + 1 : 0], edge = cutter->poly.name.at[i];
         if (!(side[a] > 0) && (!pbwc__open_facet(memory, &cutter->next, !(side[a] < 0) && side[b] > 0 ? name : edge)
-                               || !pbwc__push(memory, &cutter->next.loop, a))) {
+                               || !PBW_PUSH(memory, cutter->next.loop, a))) {
             return 0;
         }
         if ((side[a] > 0 && side[b] < 0) || (side[a] < 0 && side[b] > 0)) {
             const pbw_index cut = pbwc__cut_edge(memory, cutter, a, b, edge, name);
             if (cut == PBW_NONE || !pbwc__open_facet(memory, &cutter->next, side[b] > 0 ? name : edge)
-                || !pbwc__push(memory, &cutter->next.loop, cut)) {
+                || !PBW_PUSH(memory, cutter->next.loop, cut)) {
                 return 0;
             }
         }
@@ -695,7 +649,7 @@ static int pbwc__cut_polygon(pbw_memory *memory, pbwc__cutter *cutter, pbw_index
    surface. */
 static int pbwc__cut_cap(pbw_memory *memory, pbwc__cutter *cutter, pbw_index name)
 {
-    pbw_index *after = PBWC__INDICES(cutter->cap), i, at, then;
+    pbw_index *after = cutter->cap.at, i, at, then;
     for (i = 0; i < cutter->cap.count; i++) {
         size_t from = cutter->next.loop.count;
         if (after[i] == PBW_NONE) {
@@ -705,7 +659,7 @@ static int pbwc__cut_cap(pbw_memory *memory, pbwc__cutter *cutter, pbw_index nam
             return 0;
         }
         for (at = i; after[at] != PBW_NONE; at = then) {
-            if (!pbwc__push(memory, &cutter->next.loop, at)) {
+            if (!PBW_PUSH(memory, cutter->next.loop, at)) {
                 return 0;
             }
             then = after[at];
@@ -757,15 +711,15 @@ static int pbwc__cut(pbw_memory *memory, pbwc__cutter *cutter, int dim, const do
     const size_t count = cutter->poly.x.count;
     const double c = plane[dim];
     size_t i, outside = 0;
-    double *side, *x;
+    double *side;
     cutter->side.count = cutter->spots.count = 0;
-    side = (double *)pbwc__room(memory, &cutter->side, count, sizeof(double));
-    if (side == NULL) {
+    if (!PBW_RESERVE(memory, cutter->side, count)) {
         return 0;
     }
-    x = PBWC__DOUBLES(cutter->poly.x);
+    side = cutter->side.at;
     for (i = 0; i < count; i++) {
-        side[i] = plane[0] * x[3 * i] + plane[1] * x[3 * i + 1] + (dim == 3 ? plane[2] * x[3 * i + 2] : 0) - c;
+        const double *x = cutter->poly.x.at[i];
+        side[i] = plane[0] * x[0] + plane[1] * x[1] + (dim == 3 ? plane[2] * x[2] : 0) - c;
         side[i] = side[i] < 0 || side[i] > 0 ? side[i] : -PBWC__TINY;
         outside += side[i] > 0;
     }
@@ -796,12 +750,12 @@ typedef struct pbwc__link {
     double along;                          /* in space: twice the facet's area times |d| */
 } pbwc__link;
 
-typedef struct pbwc__map { pbwc__array slots; size_t mask, count; uint32_t epoch; } pbwc__map;
 typedef struct pbwc__slot { uint32_t epoch; pbw_index key; int value; } pbwc__slot;
+typedef struct pbwc__map { PBW_ARRAY(pbwc__slot) slots; size_t mask, count; uint32_t epoch; } pbwc__map;
 
 PBW_INLINE size_t pbwc__slot_of(const pbwc__map *map, pbw_index key)
 {
-    const pbwc__slot *slots = (const pbwc__slot *)map->slots.data;
+    const pbwc__slot *slots = map->slots.at;
     size_t i = (size_t)(key * 2654435761u >> 7) & map->mask;
     while (slots[i].epoch == map->epoch && slots[i].key != key) {
         i = (i + 1) & map->mask;
@@ -813,25 +767,24 @@ PBW_INLINE size_t pbwc__slot_of(const pbwc__map *map, pbw_index key)
 static int pbwc__map_grow(pbw_memory *memory, pbwc__map *map)
 {
     const size_t size = map->mask != 0 ? 2 * (map->mask + 1) : 256;
-    const pbwc__slot *slots = (const pbwc__slot *)map->slots.data;
+    const pbwc__slot *slots = map->slots.at;
     pbwc__map larger;
     size_t i;
     memset(&larger, 0, sizeof larger);
-    if (!pbwc__resize(memory, &larger.slots, size * sizeof *slots)) {
+    if (!PBW_ZEROS(memory, larger.slots, size)) {
         return 0;
     }
-    memset(larger.slots.data, 0, size * sizeof *slots);
     larger.mask = size - 1;
     larger.epoch = 1;
     for (i = 0; map->mask != 0 && i <= map->mask; i++) {
         if (slots[i].epoch == map->epoch) {
-            pbwc__slot *slot = (pbwc__slot *)larger.slots.data + pbwc__slot_of(&larger, slots[i].key);
+            pbwc__slot *slot = larger.slots.at + pbwc__slot_of(&larger, slots[i].key);
             *slot = slots[i];
             slot->epoch = 1;
             larger.count++;
         }
     }
-    pbwc__release(memory, &map->slots);
+    PBW_RELEASE(memory, map->slots);
     *map = larger;
     return 1;
 }
@@ -843,7 +796,7 @@ PBW_INLINE int pbwc__number(pbw_memory *memory, pbwc__map *map, pbw_index key, i
     if (2 * map->count >= map->mask && !pbwc__map_grow(memory, map)) {
         return -1;
     }
-    slot = (pbwc__slot *)map->slots.data + pbwc__slot_of(map, key);
+    slot = map->slots.at + pbwc__slot_of(map, key);
     if (slot->epoch != map->epoch) {
         slot->epoch = map->epoch;
         slot->key = key;
@@ -866,30 +819,46 @@ static void pbwc__map_clear(pbwc__map *map)
 /* The other corners of a simplex, so that corner i followed by them is positively oriented. */
 static const unsigned char pbwc__other3[4][3] = { { 1, 2, 3 }, { 0, 3, 2 }, { 3, 0, 1 }, { 2, 1, 0 } };
 
+typedef struct pbwc__share { double sum[4]; pbw_index vertex; unsigned flags; } pbwc__share; /* moments, volume */
+typedef PBW_ARRAY(pbwc__share) pbwc__shares;
+
 typedef struct pbwc__range {               /* the cells of a range, in their order */
-    pbwc__array cells, entries;            /* their points; with shapes, entries in the loops of each */
-    pbwc__array neighbors, areas, loop_counts, loops, vertices, rays;
-    pbwc__array shares;                    /* for volumes alone: of vertices that are shared or left */
+    pbwc__indices cells, neighbors, loop_counts, loops;              /* cells: their points */
+    pbwc__doubles areas, vertices, rays;
+    pbwc__shares shares;                   /* for volumes alone: of vertices that are shared or left */
 } pbwc__range;
+
+typedef struct pbwc__end { int side, leaves, visit; } pbwc__end;     /* of a chain, at a link */
+
+typedef struct pbwc__corner {              /* of a loop; what it is known to be at, exactly: */
+    double x[2];                           /* relative to the site */
+    int part;                              /* the centre of a part, else -1 */
+    pbw_index ring;                        /* a corner of the polygon, else PBW_NONE */
+    pbw_index edge;                        /* what goes on from here: this edge, or if PBW_NONE */
+    int link;                              /* the side to this link */
+} pbwc__corner;
 
 typedef struct pbwc__work {                /* of one range */
     pbwc__job *job;
     pbw_memory *memory;
     pbwc__range *out;
-    pbwc__array parts, rings, links;       /* parts: in the plane; rings: of all links, in space */
+    PBW_ARRAY(pbwc__part) parts;           /* in the plane */
+    PBW_ARRAY(pbwc__link) links;
+    pbwc__indices rings;                   /* of all links, in space */
     pbwc__map numbers;                     /* of links, or of parts, by vertex or simplex */
     pbwc__cutter cutter;
-    pbwc__array kept;
-    pbwc__centre *centres;                 /* kept */
+    pbwc__centres centres;                 /* kept */
     pbw_index site;                        /* the vertex of the star */
     int open;                              /* is the star at the hull? */
     unsigned flags;                        /* those that all centres have */
     double sum[4];                         /* of a closed star: moments * 24 (in the plane 6), volume * 6 (2) */
-    const struct pbwc__visit *visits;      /* of a polygon's edges in the cell */
+    const pbwc__visit *visits;             /* of a polygon's edges in the cell */
     size_t visit_count;
-    pbwc__array ends, end_of, used;        /* of chains, in order; per visit: the ends at its begin and end; joined */
-    size_t *end_places;
-    pbwc__array loop, begins;              /* corners, and where loops begin */
+    PBW_ARRAY(pbwc__end) ends;             /* of chains, in order */
+    pbwc__sizes end_of;                    /* per visit: the ends at its begin and end */
+    pbwc__bytes used;                      /* per visit: is it joined? */
+    PBW_ARRAY(pbwc__corner) loop;
+    pbwc__indices begins;                  /* of loops */
 } pbwc__work;
 
 #define PBWC__GRID 64
@@ -904,10 +873,11 @@ typedef struct pbwc__found { pbwc__copy copy; double depth; } pbwc__found;      
 
 typedef struct pbwc__searched {
     int on;
-    pbwc__array added;                     /* copies that searches found, sorted */
-    pbwc__array found;                     /* of this round: of each point's cell, then of each simplex */
-    pbwc__array order, boxes;              /* points along a curve; low and high corners, 6 numbers, around 8 of them
-                                              each, then around 8 of these each, and so on to one */
+    PBW_ARRAY(pbwc__copy) added;           /* copies that searches found, sorted */
+    PBW_ARRAY(pbwc__found) found;          /* of this round: of each point's cell, then of each simplex */
+    pbwc__indices order;                   /* points along a curve */
+    pbwc__doubles boxes;                   /* low and high corners, 6 numbers, around 8 of them each, then around 8 of
+                                              these each, and so on to one */
     size_t level[PBWC__TREE_LEVELS + 1], levels;     /* where boxes of a level begin */
     int axis[3];                           /* periods, the longest one last */
     double frame[3][3], step[3][3];        /* orthogonal directions of length 1, the first ones in the span of the
@@ -931,8 +901,10 @@ struct pbwc__period {
     double grid[3], step[3];               /* the low corner of the grid, and its cells; those at its ends go on */
     double heaviest, lightest;             /* weight */
     double from[3], to[3];                 /* bounds of the marked part */
-    pbwc__array x, w, source, marks;       /* source: of each copy */
-    pbwc__array thin;                      /* per point: is it one of few that are copied far out?  NULL: none is */
+    pbwc__doubles x, w;
+    pbwc__indices source;                  /* of each copy */
+    pbwc__bytes marks;
+    pbwc__bytes thin;                      /* per point: is it one of few that are copied far out?  NULL: none is */
     unsigned char marked;                  /* 1: new marks, or found copies, in this round */
     pbwc__searched searched;
 };
@@ -953,28 +925,27 @@ struct pbwc__job {
     const double *planes;                  /* of the domain: normal and offset */
     size_t plane_count;
     pbwc__poly domain;
-    pbwc__array merged, ranges;            /* per simplex: the first whose centre is the same place */
+    pbwc__indices merged;                  /* per simplex: the first one with its centre at the same place */
+    PBW_ARRAY(pbwc__range) ranges;
     pbw_cells *cells;
     double *volumes, *centroids;
     double *vertices;                      /* with shapes: first the centres of all simplices */
     size_t *first;
-    pbwc__array entries;                   /* with shapes, per point: where its loops' entries begin */
-    pbwc__array cut;                       /* per point: was its cell cut? */
-    pbwc__array states, left;              /* for volumes alone: flags of each point's shares; cells left for stars */
+    pbwc__sizes entries;                   /* with shapes, per point: where its loops' entries begin */
+    pbwc__bytes cut;                       /* per point: was its cell cut? */
+    pbwc__bytes states;                    /* for volumes alone: flags of each point's shares */
+    pbwc__indices left;                    /* and cells left for stars */
 };
 
-#define PBWC__PARTS(work) ((pbwc__part *)(work)->parts.data)
-#define PBWC__LINKS(work) ((pbwc__link *)(work)->links.data)
-#define PBWC__RING(work, link) ((pbw_index *)(work)->rings.data + (link)->begin)
 
-static int pbwc__centres_new(pbw_memory *memory, pbwc__array *centres)
+static int pbwc__centres_new(pbw_memory *memory, pbwc__centres *centres)
 {
     size_t i;
-    if (!pbwc__resize(memory, centres, PBWC__CENTRES * sizeof(pbwc__centre))) {
+    if (!PBW_FIT(memory, *centres, PBWC__CENTRES)) {
         return 0;
     }
     for (i = 0; i < PBWC__CENTRES; i++) {
-        ((pbwc__centre *)centres->data)[i].simplex = PBW_NONE;
+        centres->at[i].simplex = PBW_NONE;
     }
     return 1;
 }
@@ -1062,12 +1033,13 @@ PBW_INLINE pbwc__link *pbwc__add_link(pbwc__work *work, size_t dim, pbw_index ve
 {
     const pbw_mesh *mesh = work->job->mesh;
     const pbw_index v = work->site;
-    pbwc__link *link = (pbwc__link *)pbwc__room(work->memory, &work->links, 1, sizeof *link);
+    pbwc__link *link;
     double square = 0;
     size_t k;
-    if (link == NULL) {
+    if (!PBW_RESERVE(work->memory, work->links, 1)) {
         return NULL;
     }
+    link = work->links.at + work->links.count++;
     link->vertex = vertex;
     link->d[2] = 0;
     for (k = 0; k < dim; k++) {
@@ -1078,7 +1050,6 @@ PBW_INLINE pbwc__link *pbwc__add_link(pbwc__work *work, size_t dim, pbw_index ve
     if (mesh->weights != NULL) {
         link->foot += (mesh->weights[v] - mesh->weights[vertex]) / (2 * square);
     }
-    work->links.count++;
     return link;
 }
 
@@ -1122,7 +1093,7 @@ static int pbwc__new_link3(pbwc__work *work, pbw_index vertex, pbw_index simplex
 
 PBW_INLINE int pbwc__is_known(const pbwc__map *map, pbw_index key)
 {
-    return ((const pbwc__slot *)map->slots.data)[pbwc__slot_of(map, key)].epoch == map->epoch;
+    return map->slots.at[pbwc__slot_of(map, key)].epoch == map->epoch;
 }
 
 /* Sums over the edges ST of the ring of a link, with d from the site to the link: of w = d.(S x T), and of w (S + T).
@@ -1164,12 +1135,12 @@ PBW_INLINE int pbwc__walk(pbwc__work *work, pbw_index u, pbw_index at[3], pbwc__
     const pbw_index edge = work->site ^ u, first = at[0];
     pbw_index simplex = first, p = at[1], q = at[2], next;
     double t[3];
-    ring->flags &= pbwc__from_site(work->job, work->centres, 3, site, simplex, ring->first);
+    ring->flags &= pbwc__from_site(work->job, work->centres.at, 3, site, simplex, ring->first);
     memcpy(ring->last, ring->first, sizeof ring->last);
     for (;;) {
         next = pbwc__across(mesh, simplex, p);
         pbwc__prefetch(mesh, pbwc__across(mesh, simplex, u));    /* other rings will come there */
-        if (!pbwc__push(work->memory, &work->rings, simplex)
+        if (!PBW_PUSH(work->memory, work->rings, simplex)
             || (!pbwc__is_known(&work->numbers, q) && !pbwc__new_link3(work, q, simplex, u, p))) {
             return -1;
         }
@@ -1179,7 +1150,7 @@ PBW_INLINE int pbwc__walk(pbwc__work *work, pbw_index u, pbw_index at[3], pbwc__
         simplex = next;
         p = q;
         q = pbwc__fourth(mesh, simplex, edge ^ q);
-        ring->flags &= pbwc__from_site(work->job, work->centres, 3, site, simplex, t);
+        ring->flags &= pbwc__from_site(work->job, work->centres.at, 3, site, simplex, t);
         pbwc__add_edge(ring, t);
     }
     pbwc__add_edge(ring, ring->first);
@@ -1193,7 +1164,7 @@ PBW_INLINE int pbwc__walk(pbwc__work *work, pbw_index u, pbw_index at[3], pbwc__
 static int pbwc__walk_ring(pbwc__work *work, size_t number)
 {
     const pbw_mesh *mesh = work->job->mesh;
-    pbwc__link *link = PBWC__LINKS(work) + number;
+    pbwc__link *link = work->links.at + number;
     const pbw_index u = link->vertex, edge = work->site ^ u;
     const size_t begin = work->rings.count;
     pbw_index at[3], low = PBW_NONE, next;
@@ -1220,7 +1191,7 @@ static int pbwc__walk_ring(pbwc__work *work, size_t number)
             return 0;
         }
     }
-    link = PBWC__LINKS(work) + number;               /* new links may have moved it */
+    link = work->links.at + number;                  /* new links may have moved it */
     link->begin = begin;
     link->count = work->rings.count - begin;
     link->open = closed == 0;
@@ -1277,14 +1248,14 @@ static int pbwc__gather2(pbwc__work *work)
         work->parts.count = 0;
         at = first;
         do {
-            pbwc__part *part = (pbwc__part *)pbwc__room(work->memory, &work->parts, 1, sizeof *part);
-            if (part == NULL) {
+            pbwc__part *part;
+            if (!PBW_RESERVE(work->memory, work->parts, 1)) {
                 return 0;
             }
+            part = work->parts.at + work->parts.count++;
             next = mesh->neighbors[3 * (size_t)at + (pbwc__place2(mesh, at, v) + 1) % 3];
             part->simplex = at;
-            work->flags &= pbwc__from_site(work->job, work->centres, 2, site, at, part->centre);
-            work->parts.count++;
+            work->flags &= pbwc__from_site(work->job, work->centres.at, 2, site, at, part->centre);
             at = next;
         } while (at != PBW_NONE && at != first);
         while (round == 0 && next == PBW_NONE        /* back to the hull at the other end, then again from there */
@@ -1300,7 +1271,7 @@ static int pbwc__gather2(pbwc__work *work)
 static int pbwc__add_side(pbwc__work *work, size_t part, unsigned after, int from, int to)
 {
     const pbw_mesh *mesh = work->job->mesh;
-    const pbw_index simplex = PBWC__PARTS(work)[part].simplex;
+    const pbw_index simplex = work->parts.at[part].simplex;
     const unsigned place = (pbwc__place2(mesh, simplex, work->site) + 1 + after) % 3;
     pbwc__link *link = pbwc__add_link(work, 2, mesh->simplices[3 * (size_t)simplex + place]);
     if (link == NULL) {
@@ -1347,27 +1318,24 @@ static int pbwc__gather(pbwc__work *work, pbw_index v)
 /* Prepares the work on a range.  Returns 0 if there is no memory; pbwc__work_end is due in any case. */
 static int pbwc__work_start(pbwc__work *work, pbwc__job *job)
 {
-    int good;
     memset(work, 0, sizeof *work);
     work->job = job;
     work->memory = &job->memory;
-    good = pbwc__centres_new(work->memory, &work->kept) && pbwc__map_grow(work->memory, &work->numbers);
-    work->centres = (pbwc__centre *)work->kept.data;
-    return good;
+    return pbwc__centres_new(work->memory, &work->centres) && pbwc__map_grow(work->memory, &work->numbers);
 }
 
 static void pbwc__work_end(pbwc__work *work)
 {
-    pbwc__release(work->memory, &work->kept);
-    pbwc__release(work->memory, &work->parts);
-    pbwc__release(work->memory, &work->rings);
-    pbwc__release(work->memory, &work->links);
-    pbwc__release(work->memory, &work->numbers.slots);
-    pbwc__release(work->memory, &work->ends);
-    pbwc__release(work->memory, &work->end_of);
-    pbwc__release(work->memory, &work->used);
-    pbwc__release(work->memory, &work->loop);
-    pbwc__release(work->memory, &work->begins);
+    PBW_RELEASE(work->memory, work->centres);
+    PBW_RELEASE(work->memory, work->parts);
+    PBW_RELEASE(work->memory, work->rings);
+    PBW_RELEASE(work->memory, work->links);
+    PBW_RELEASE(work->memory, work->numbers.slots);
+    PBW_RELEASE(work->memory, work->ends);
+    PBW_RELEASE(work->memory, work->end_of);
+    PBW_RELEASE(work->memory, work->used);
+    PBW_RELEASE(work->memory, work->loop);
+    PBW_RELEASE(work->memory, work->begins);
     pbwc__cutter_release(work->memory, &work->cutter);
 }
 
@@ -1400,7 +1368,7 @@ static void pbwc__set_cell(pbwc__job *job, pbw_index v, const double *sum)
 
 static void pbwc__sum_star2(pbwc__work *work)
 {
-    const pbwc__part *part = PBWC__PARTS(work);
+    const pbwc__part *part = work->parts.at;
     const size_t count = work->parts.count;
     size_t i;
     for (i = 0; i < count; i++) {
@@ -1457,12 +1425,10 @@ typedef double pbwc__lanes;
 #define PBWC__ADDED  4u                    /* the sum of its first chunk has been added */
 #define PBWC__LISTED 8u                    /* it is done, or listed for its star */
 
-typedef struct pbwc__share { double sum[4]; pbw_index vertex; unsigned flags; } pbwc__share; /* moments, volume */
-
 typedef struct pbwc__adder {               /* of one chunk */
     pbwc__job *job;
     pbwc__map numbers;                     /* of shares, by vertex */
-    pbwc__array shares;
+    pbwc__shares shares;
 } pbwc__adder;
 
 typedef struct pbwc__simplex_geometry {    /* of simplices; edges 01 02 03 12 13 23; facets: across from corners */
@@ -1693,15 +1659,14 @@ PBW_INLINE pbwc__share *pbwc__share_of(pbwc__adder *adder, pbw_index vertex)
     pbw_memory *memory = &adder->job->memory;
     const int fresh = (int)adder->shares.count, number = pbwc__number(memory, &adder->numbers, vertex, fresh);
     if (number == fresh) {
-        pbwc__share *share = (pbwc__share *)pbwc__room(memory, &adder->shares, 1, sizeof *share);
-        if (share == NULL) {
+        pbwc__share share;
+        memset(&share, 0, sizeof share);
+        share.vertex = vertex;
+        if (!PBW_PUSH(memory, adder->shares, share)) {
             return NULL;
         }
-        memset(share, 0, sizeof *share);
-        share->vertex = vertex;
-        adder->shares.count++;
     }
-    return number < 0 ? NULL : (pbwc__share *)adder->shares.data + number;
+    return number < 0 ? NULL : adder->shares.at + number;
 }
 
 /* Adds up the contributions of a chunk.  Returns 0 if there is no memory. */
@@ -1735,7 +1700,7 @@ static int pbwc__add_simplices(pbwc__adder *adder, size_t from, size_t to)
 static pbw_status pbwc__add_chunk(void *arg, size_t from, size_t to)
 {
     pbwc__job *job = (pbwc__job *)arg;
-    pbwc__array *kept = &((pbwc__range *)job->ranges.data)[from / PBWC__CHUNK].shares;
+    pbwc__shares *kept = &job->ranges.at[from / PBWC__CHUNK].shares;
     pbwc__adder adder;
     size_t i;
     int good;
@@ -1743,20 +1708,15 @@ static pbw_status pbwc__add_chunk(void *arg, size_t from, size_t to)
     adder.job = job;
     good = pbwc__map_grow(&job->memory, &adder.numbers) && pbwc__add_simplices(&adder, from, to);
     for (i = 0; good && i < adder.shares.count; i++) {
-        const pbwc__share *share = (const pbwc__share *)adder.shares.data + i;
+        const pbwc__share *share = adder.shares.at + i;
         if (share->vertex < job->count && share->flags == 0) {
             pbwc__set_cell(job, share->vertex, share->sum);
         } else if (share->vertex < job->count) {
-            pbwc__share *place = (pbwc__share *)pbwc__room(&job->memory, kept, 1, sizeof *share);
-            good = place != NULL;
-            if (good) {
-                *place = *share;
-                kept->count++;
-            }
+            good = PBW_PUSH(&job->memory, *kept, *share);
         }
     }
-    pbwc__release(&job->memory, &adder.numbers.slots);
-    pbwc__release(&job->memory, &adder.shares);
+    PBW_RELEASE(&job->memory, adder.numbers.slots);
+    PBW_RELEASE(&job->memory, adder.shares);
     return good ? PBW_OK : PBW_ERROR_MEMORY;
 }
 
@@ -1766,18 +1726,16 @@ static pbw_status pbwc__add_chunk(void *arg, size_t from, size_t to)
    ------------------------------------------------------------------------------------------------------ */
 /* Appends a vector of 2 or 3 numbers to an array of doubles.  Returns its index there, PBW_NONE if there is no
    memory. */
-static pbw_index pbwc__push_vector(pbwc__work *work, pbwc__array *array, const double *x)
+static pbw_index pbwc__push_vector(pbwc__work *work, pbwc__doubles *array, const double *x)
 {
     const size_t dim = (size_t)work->job->mesh->dim;
-    double *place = (double *)pbwc__room(work->memory, array, dim, sizeof(double));
     size_t k;
-    if (place == NULL) {
+    if (!PBW_RESERVE(work->memory, *array, dim)) {
         return PBW_NONE;
     }
     for (k = 0; k < dim; k++) {
-        place[k] = x[k];
+        array->at[array->count++] = x[k];
     }
-    array->count += dim;
     return (pbw_index)(array->count / dim - 1);
 }
 
@@ -1802,19 +1760,19 @@ static int pbwc__push_ray(pbwc__work *work, const double *a, const double *c)
         ray[k] /= length[0];
     }
     number = pbwc__push_vector(work, &work->out->rays, ray);
-    return number != PBW_NONE && pbwc__push(work->memory, &work->out->loops, PBW_NONE - 1 - number);
+    return number != PBW_NONE && PBW_PUSH(work->memory, work->out->loops, PBW_NONE - 1 - number);
 }
 
 /* Appends the centre of a part to a loop, unless merged centres would occur twice in a row. */
 static int pbwc__push_centre(pbwc__work *work, const pbwc__part *part, size_t begin)
 {
-    const pbw_index *merged = PBWC__INDICES(work->job->merged);
+    const pbw_index *merged = work->job->merged.at;
     const pbw_index vertex = merged != NULL ? merged[part->simplex] : part->simplex;
-    pbwc__array *loops = &work->out->loops;
-    if (merged != NULL && loops->count > begin && PBWC__INDICES(*loops)[loops->count - 1] == vertex) {
+    pbwc__indices *loops = &work->out->loops;
+    if (merged != NULL && loops->count > begin && loops->at[loops->count - 1] == vertex) {
         return 1;
     }
-    return pbwc__push(work->memory, loops, vertex);
+    return PBW_PUSH(work->memory, *loops, vertex);
 }
 
 /* From the site to a vertex. */
@@ -1830,14 +1788,15 @@ static void pbwc__to_vertex(const pbwc__work *work, pbw_index vertex, double *d)
 /* Appends the loop of a link's facet in space, with two rays if it is open.  Returns 0 if there is no memory. */
 static int pbwc__loop3(pbwc__work *work, const pbwc__link *link)
 {
-    const pbw_index *merged = PBWC__INDICES(work->job->merged), *ring = PBWC__RING(work, link);
-    pbwc__array *loops = &work->out->loops;
+    const pbw_index *merged = work->job->merged.at, *ring = work->rings.at + link->begin;
+    pbwc__indices *loops = &work->out->loops;
     const size_t begin = loops->count;
-    pbw_index *out = (pbw_index *)pbwc__room(work->memory, loops, link->count, sizeof(pbw_index));
+    pbw_index *out;
     size_t i, count = 0;
-    if (out == NULL) {
+    if (!PBW_RESERVE(work->memory, *loops, link->count)) {
         return 0;
     }
+    out = loops->at + begin;
     for (i = 0; merged == NULL && i < link->count; i++) {
         out[count++] = ring[i];
     }
@@ -1863,8 +1822,8 @@ static int pbwc__loop3(pbwc__work *work, const pbwc__link *link)
    plane. */
 static int pbwc__is_facet(const pbwc__work *work, const pbwc__link *link)
 {
-    const pbw_index *merged = PBWC__INDICES(work->job->merged);
-    const pbwc__part *part = PBWC__PARTS(work);
+    const pbw_index *merged = work->job->merged.at;
+    const pbwc__part *part = work->parts.at;
     const pbw_mesh *mesh = work->job->mesh;
     const pbw_index *ring;
     size_t i, differ = 0;
@@ -1874,7 +1833,7 @@ static int pbwc__is_facet(const pbwc__work *work, const pbwc__link *link)
     if (mesh->dim == 2) {
         return link->open || merged[part[link->from].simplex] != merged[part[link->to].simplex];
     }
-    ring = PBWC__RING(work, link);
+    ring = work->rings.at + link->begin;
     for (i = 1; i < link->count; i++) {
         differ += merged[ring[i]] != merged[ring[i - 1]];
     }
@@ -1890,14 +1849,12 @@ static int pbwc__is_facet(const pbwc__work *work, const pbwc__link *link)
 static int pbwc__facet_done(pbwc__work *work, pbw_index neighbor, double area, size_t loop_begin)
 {
     pbwc__range *out = work->out;
-    double *place = (double *)pbwc__room(work->memory, &out->areas, 1, sizeof(double));
-    if (place == NULL || !pbwc__push(work->memory, &out->neighbors, neighbor)
+    if (!PBW_RESERVE(work->memory, out->areas, 1) || !PBW_PUSH(work->memory, out->neighbors, neighbor)
         || ((work->job->what & PBW_CELLS_SHAPES) != 0
-            && !pbwc__push(work->memory, &out->loop_counts, (pbw_index)(out->loops.count - loop_begin)))) {
+            && !PBW_PUSH(work->memory, out->loop_counts, (pbw_index)(out->loops.count - loop_begin)))) {
         return 0;
     }
-    *place = area;
-    out->areas.count++;
+    out->areas.at[out->areas.count++] = area;
     return 1;
 }
 
@@ -1914,8 +1871,8 @@ static int pbwc__link_facet3(pbwc__work *work, const pbwc__link *link)
 static int pbwc__link_facet2(pbwc__work *work, const pbwc__link *link)
 {
     static const double up[3] = { 0, 0, 1 }, down[3] = { 0, 0, -1 };
-    const pbwc__part *from = PBWC__PARTS(work) + (link->from < 0 ? 0 : link->from);
-    const pbwc__part *to = PBWC__PARTS(work) + (link->to < 0 ? 0 : link->to);
+    const pbwc__part *from = work->parts.at + (link->from < 0 ? 0 : link->from);
+    const pbwc__part *to = work->parts.at + (link->to < 0 ? 0 : link->to);
     const size_t begin = work->out->loops.count;
     double length = HUGE_VAL;
     if (!link->open) {
@@ -1935,7 +1892,7 @@ static int pbwc__star_facets(pbwc__work *work)
 {
     size_t u;
     for (u = 0; u < work->links.count; u++) {
-        const pbwc__link *link = PBWC__LINKS(work) + u;
+        const pbwc__link *link = work->links.at + u;
         if (pbwc__is_facet(work, link)
             && !(work->job->mesh->dim == 3 ? pbwc__link_facet3(work, link) : pbwc__link_facet2(work, link))) {
             return 0;
@@ -1954,36 +1911,34 @@ static int pbwc__cut_cell(pbwc__work *work, pbw_index v)
 {
     const pbwc__job *job = work->job;
     const size_t dim = (size_t)job->mesh->dim, corners = job->domain.x.count, facets = job->domain.start.count;
-    const double *from = PBWC__DOUBLES(job->domain.x), *site = job->mesh->points + v * dim;
+    const double *site = job->mesh->points + v * dim;
     const unsigned axes = job->period != NULL ? job->period->axes : 0;
     pbwc__poly *poly = &work->cutter.poly;
-    double *x;
     size_t i, k;
     int u;
     pbwc__poly_clear(poly);
     poly->x.count = 0;
-    x = (double *)pbwc__room(work->memory, &poly->x, corners, 3 * sizeof(double));
-    if (x == NULL) {
+    if (!PBW_RESERVE(work->memory, poly->x, corners)) {
         return 0;
     }
     for (i = 0; i < corners; i++) {
         for (k = 0; k < 3; k++) {
-            x[3 * i + k] = from[3 * i + k] - (k >= dim || (axes >> k & 1) != 0 ? 0 : site[k]);
+            poly->x.at[i][k] = job->domain.x.at[i][k] - (k >= dim || (axes >> k & 1) != 0 ? 0 : site[k]);
         }
     }
     poly->x.count = corners;
     for (i = 0; i < facets; i++) {
-        if (!pbwc__open_facet(work->memory, poly, PBWC__INDICES(job->domain.name)[i])) {
+        if (!pbwc__open_facet(work->memory, poly, job->domain.name.at[i])) {
             return 0;
         }
-        for (k = PBWC__INDICES(job->domain.start)[i]; k < pbwc__loop_end(&job->domain, i); k++) {
-            if (!pbwc__push(work->memory, &poly->loop, PBWC__INDICES(job->domain.loop)[k])) {
+        for (k = job->domain.start.at[i]; k < pbwc__loop_end(&job->domain, i); k++) {
+            if (!PBW_PUSH(work->memory, poly->loop, job->domain.loop.at[k])) {
                 return 0;
             }
         }
     }
     for (u = 0; u < (int)work->links.count; u++) {
-        const pbwc__link *link = PBWC__LINKS(work) + u;
+        const pbwc__link *link = work->links.at + u;
         double plane[4] = { 0, 0, 0, 0 }, square = 0;
         for (k = 0; k < dim; k++) {
             plane[k] = link->d[k];
@@ -2002,18 +1957,17 @@ static int pbwc__star_corner(pbwc__work *work, pbw_index simplex)
 {
     const size_t dim = (size_t)work->job->mesh->dim;
     const double *site = work->job->mesh->points + work->site * dim;
-    pbwc__array *corners = &work->cutter.poly.x;
-    const int number = pbwc__number(work->memory, &work->numbers, simplex, (int)corners->count);
-    if (number == (int)corners->count) {
-        double *x = (double *)pbwc__room(work->memory, corners, 1, 3 * sizeof(double));
-        if (x == NULL) {
+    pbwc__poly *poly = &work->cutter.poly;
+    const int fresh = (int)poly->x.count, number = pbwc__number(work->memory, &work->numbers, simplex, fresh);
+    if (number == fresh) {
+        if (!PBW_RESERVE(work->memory, poly->x, 1)) {
             return 0;
         }
-        x[2] = 0;
-        (void)pbwc__from_site(work->job, work->centres, dim, site, simplex, x);
-        corners->count++;
+        poly->x.at[fresh][2] = 0;
+        (void)pbwc__from_site(work->job, work->centres.at, dim, site, simplex, poly->x.at[fresh]);
+        poly->x.count++;
     }
-    return number >= 0 && pbwc__push(work->memory, &work->cutter.poly.loop, (pbw_index)number);
+    return number >= 0 && PBW_PUSH(work->memory, poly->loop, (pbw_index)number);
 }
 
 /* The polytope of a closed star with good centres. */
@@ -2026,12 +1980,13 @@ static int pbwc__star_poly(pbwc__work *work)
     poly->x.count = 0;
     pbwc__map_clear(&work->numbers);
     for (u = 0; u < work->links.count; u++) {
-        const pbwc__link *link = PBWC__LINKS(work) + u;
+        const pbwc__link *link = work->links.at + u;
         if (!pbwc__open_facet(work->memory, poly, (pbw_index)u)) {
             return 0;
         }
         for (i = 0; i < (plane ? 1 : link->count); i++) {
-            if (!pbwc__star_corner(work, plane ? PBWC__PARTS(work)[link->from].simplex : PBWC__RING(work, link)[i])) {
+            if (!pbwc__star_corner(work, plane ? work->parts.at[link->from].simplex
+                                               : work->rings.at[link->begin + i])) {
                 return 0;
             }
         }
@@ -2074,15 +2029,14 @@ static int pbwc__cut_star(pbwc__work *work, pbw_index v)
 /* Twice the area vector of a facet, or an edge's vector; adds its cone over the site to sum. */
 static double pbwc__sum_facet(const pbwc__poly *poly, size_t facet, int dim, double *sum)
 {
-    const double *x = PBWC__DOUBLES(poly->x);
-    const pbw_index *loop = PBWC__INDICES(poly->loop) + PBWC__INDICES(poly->start)[facet];
-    const size_t count = pbwc__loop_end(poly, facet) - PBWC__INDICES(poly->start)[facet];
+    const pbw_index *loop = poly->loop.at + poly->start.at[facet];
+    const size_t count = pbwc__loop_end(poly, facet) - poly->start.at[facet];
     double area[3] = { 0, 0, 0 }, across[3], w;
     size_t i;
     int k;
     if (dim == 2) {
-        const double *a = x + 3 * loop[0];
-        const double *b = x + 3 * PBWC__INDICES(poly->loop)[facet + 1 < poly->loop.count ? facet + 1 : 0];
+        const double *a = poly->x.at[loop[0]];
+        const double *b = poly->x.at[poly->loop.at[facet + 1 < poly->loop.count ? facet + 1 : 0]];
         w = a[0] * b[1] - a[1] * b[0];
         sum[3] += w;
         sum[0] += w * (a[0] + b[0]);
@@ -2090,7 +2044,7 @@ static double pbwc__sum_facet(const pbwc__poly *poly, size_t facet, int dim, dou
         return sqrt((b[0] - a[0]) * (b[0] - a[0]) + (b[1] - a[1]) * (b[1] - a[1]));
     }
     for (i = 1; i + 1 < count; i++) {
-        const double *a = x + 3 * loop[0], *b = x + 3 * loop[i], *c = x + 3 * loop[i + 1];
+        const double *a = poly->x.at[loop[0]], *b = poly->x.at[loop[i]], *c = poly->x.at[loop[i + 1]];
         double p[3], q[3];
         pbwc__cross(b, c, across);
         w = a[0] * across[0] + a[1] * across[1] + a[2] * across[2];
@@ -2114,20 +2068,20 @@ static int pbwc__cut_loop_out(pbwc__work *work, pbw_index v, size_t facet, pbw_i
     const pbwc__poly *poly = &work->cutter.poly;
     const size_t dim = (size_t)work->job->mesh->dim, simplices = work->job->mesh->simplex_count;
     const double *site = work->job->mesh->points + v * dim;
-    size_t i, k, begin = PBWC__INDICES(poly->start)[facet], end = pbwc__loop_end(poly, facet) + (dim == 2);
+    size_t i, k, begin = poly->start.at[facet], end = pbwc__loop_end(poly, facet) + (dim == 2);
     for (i = begin; i < end; i++) {
-        const pbw_index corner = PBWC__INDICES(poly->loop)[i < poly->loop.count ? i : 0];
+        const pbw_index corner = poly->loop.at[i < poly->loop.count ? i : 0];
         if (number[corner] == PBW_NONE) {
             double x[3];
             for (k = 0; k < dim; k++) {
-                x[k] = site[k] + PBWC__DOUBLES(poly->x)[3 * corner + k];
+                x[k] = site[k] + poly->x.at[corner][k];
             }
             number[corner] = pbwc__push_vector(work, &work->out->vertices, x);
             if (number[corner] == PBW_NONE) {
                 return 0;
             }
         }
-        if (!pbwc__push(work->memory, &work->out->loops, (pbw_index)simplices + number[corner])) {
+        if (!PBW_PUSH(work->memory, work->out->loops, (pbw_index)simplices + number[corner])) {
             return 0;
         }
     }
@@ -2137,7 +2091,7 @@ static int pbwc__cut_loop_out(pbwc__work *work, pbw_index v, size_t facet, pbw_i
 /* Facets of a cut cell are named by their link or wall. */
 static pbw_index pbwc__name_of(const pbwc__work *work, pbw_index name)
 {
-    return name < work->links.count ? PBWC__LINKS(work)[name].vertex : name;
+    return name < work->links.count ? work->links.at[name].vertex : name;
 }
 
 /* Adds the facets of the cut cell.  If rounding has bent the surface, a plane may have several facets in a row: one
@@ -2145,16 +2099,18 @@ static pbw_index pbwc__name_of(const pbwc__work *work, pbw_index name)
 static int pbwc__cut_facets(pbwc__work *work, pbw_index v)
 {
     const pbwc__poly *poly = &work->cutter.poly;
-    pbwc__array *numbers = &work->cutter.cap;        /* of corners; the cap is done */
-    const pbw_index *name = PBWC__INDICES(poly->name);
+    pbwc__indices *numbers = &work->cutter.cap;      /* of corners; the cap is done */
+    const pbw_index *name = poly->name.at;
     const int dim = work->job->mesh->dim;
     double sum[4] = { 0, 0, 0, 0 };
     size_t i, next;
     numbers->count = 0;
-    if (pbwc__room(work->memory, numbers, poly->x.count + 1, sizeof(pbw_index)) == NULL) {
+    if (!PBW_RESERVE(work->memory, *numbers, poly->x.count)) {
         return 0;
     }
-    memset(numbers->data, 0xff, poly->x.count * sizeof(pbw_index));
+    for (i = 0; i < poly->x.count; i++) {
+        numbers->at[i] = PBW_NONE;
+    }
     for (i = 0; i < poly->start.count; i = next) {
         const size_t begin = work->out->loops.count;
         double area = pbwc__sum_facet(poly, i, dim, sum), largest = area;
@@ -2166,7 +2122,7 @@ static int pbwc__cut_facets(pbwc__work *work, pbw_index v)
             area += more;
         }
         if (((work->job->what & PBW_CELLS_SHAPES) != 0
-             && !pbwc__cut_loop_out(work, v, best, PBWC__INDICES(*numbers)))
+             && !pbwc__cut_loop_out(work, v, best, numbers->at))
             || !pbwc__facet_done(work, pbwc__name_of(work, name[i]), area, begin)) {
             return 0;
         }
@@ -2222,7 +2178,7 @@ static void pbwc__row_of(const pbwc__work *work, pbw_index name, pbwc__row *row)
         row->n[2] = 1;
     } else if (name < work->links.count || wall >= 2 * dim) {
         const int bisector = name < work->links.count;
-        const pbwc__link *link = bisector ? PBWC__LINKS(work) + name : NULL;
+        const pbwc__link *link = bisector ? work->links.at + name : NULL;
         const double *plane = bisector ? NULL : job->planes + (wall - 2 * dim) * (dim + 1), *w = job->mesh->weights;
         const double *n = bisector ? link->d : plane;
         for (k = 0; k < dim; k++) {
@@ -2265,7 +2221,7 @@ static void pbwc__row_exactly(const pbwc__work *work, pbw_index name, pbwc__exac
         pbwc__exact_of(name == PBW_NONE && k == 2, row + k);
     }
     if (name < work->links.count) {
-        const pbw_index vertex = PBWC__LINKS(work)[name].vertex;
+        const pbw_index vertex = work->links.at[name].vertex;
         pbwc__exact_minus(pbwc__weight(mesh, work->site), pbwc__weight(mesh, vertex), row + 3);
         for (k = 0; k < dim; k++) {
             pbwc__exact_minus(mesh->points[vertex * dim + k], mesh->points[work->site * dim + k], row + k);
@@ -2369,23 +2325,23 @@ static int pbwc__cut_by(pbwc__work *work, pbw_index name)
     pbwc__row row;
     int k;
     cutter->side.count = 0;
-    side = (double *)pbwc__room(work->memory, &cutter->side, count, sizeof(double));
-    if (side == NULL) {
+    if (!PBW_RESERVE(work->memory, cutter->side, count)) {
         return 0;
     }
+    side = cutter->side.at;
     pbwc__row_of(work, name, &row);
     for (i = 0; i < count; i++) {
         side[i] = HUGE_VAL;                          /* not yet known */
     }
     for (i = 0; i < poly->loop.count; i++) {
-        const pbw_index corner = PBWC__INDICES(poly->loop)[i];
-        const double *x = PBWC__DOUBLES(poly->x) + 3 * (size_t)corner;
+        const pbw_index corner = poly->loop.at[i];
+        const double *x = poly->x.at[corner];
         double about = -ldexp(row.c, work->job->exponent);
         int sign;
         if (side[corner] < HUGE_VAL) {
             continue;
         }
-        sign = pbwc__beyond(work, (pbwc__spot *)cutter->spots.data + corner, &row, name);
+        sign = pbwc__beyond(work, cutter->spots.at + corner, &row, name);
         for (k = 0; k < 3; k++) {
             about += row.n[k] * x[k];
         }
@@ -2427,7 +2383,7 @@ static int pbwc__cut_exactly(pbwc__work *work)
         }
     }
     for (i = 0; i < work->links.count && cutter->poly.start.count > 0; i++) {
-        if (pbwc__is_facet(work, PBWC__LINKS(work) + i) && !pbwc__cut_by(work, (pbw_index)i)) {
+        if (pbwc__is_facet(work, work->links.at + i) && !pbwc__cut_by(work, (pbw_index)i)) {
             return 0;
         }
     }
@@ -2600,19 +2556,21 @@ typedef struct pbwc__place { const double *x; pbw_index corner; } pbwc__place;
 typedef struct pbwc__sweep {
     pbw_memory *memory;
     size_t count, corners;                 /* corners at different places; of rings */
-    pbwc__array x, number, end, other;     /* two doubles a place; per corner of rings: its place, the place where its
-                                              edge ends on the right, the next edge in a list */
-    pbwc__array first, starts;             /* edges that start at place v: starts[first[v]]..starts[first[v+1]-1] */
-    pbwc__array bars, unused, pieces;      /* bar 0 is the head of the list */
-    pbwc__array ways, around, left;        /* at a place: ways out; pieces, counter-clockwise; those that end there */
+    pbwc__doubles x;                       /* two a place */
+    pbwc__indices number, end, other;      /* per corner of rings: its place, the place where its edge ends on the
+                                              right, the next edge in a list */
+    pbwc__indices first, starts;           /* edges that start at place v: starts[first[v]]..starts[first[v+1]-1] */
+    PBW_ARRAY(pbwc__bar) bars;             /* bar 0 is the head of the list */
+    pbwc__indices unused;
+    PBW_ARRAY(pbwc__piece) pieces;
+    PBW_ARRAY(pbwc__way) ways;             /* at a place: ways out */
+    pbwc__indices around, left;            /* at a place: pieces, counter-clockwise; those that end there */
     pbw_index path[PBWC__LEVELS];          /* the last bar below a corner, in each level */
     uint32_t state;
     pbw_rings *found;
 } pbwc__sweep;
 
-#define PBWC__BAR(sweep, i) ((pbwc__bar *)(sweep)->bars.data + (i))
-#define PBWC__PIECE(sweep, i) ((pbwc__piece *)(sweep)->pieces.data + (i))
-#define PBWC__PLACE(sweep, i) (PBWC__DOUBLES((sweep)->x) + 2 * (size_t)(i))
+#define PBWC__PLACE(sweep, i) ((sweep)->x.at + 2 * (size_t)(i))
 
 static int pbwc__compare_places(const void *a, const void *b)
 {
@@ -2638,27 +2596,24 @@ static int pbwc__compare_ways(const void *a, const void *b)
 static pbw_status pbwc__sort_corners(pbwc__sweep *sweep, const pbw_domain *domain)
 {
     const size_t corners = sweep->corners;
-    pbwc__array places;
+    PBW_ARRAY(pbwc__place) places;
     pbwc__place *place;
     pbw_index *number, *end, *other, *first, *starts;
     size_t i, r;
     memset(&places, 0, sizeof places);
-    if (!pbwc__resize(sweep->memory, &places, (corners + 1) * sizeof *place)
-        || !pbwc__resize(sweep->memory, &sweep->x, (corners + 1) * 2 * sizeof(double))
-        || !pbwc__resize(sweep->memory, &sweep->number, (corners + 1) * sizeof *number)
-        || !pbwc__resize(sweep->memory, &sweep->end, (corners + 1) * sizeof *end)
-        || !pbwc__resize(sweep->memory, &sweep->other, (corners + 1) * sizeof *end)
-        || !pbwc__resize(sweep->memory, &sweep->first, (corners + 2) * sizeof *first)
-        || !pbwc__resize(sweep->memory, &sweep->starts, (corners + 1) * sizeof *starts)) {
-        pbwc__release(sweep->memory, &places);
+    if (!PBW_FIT(sweep->memory, places, corners + 1) || !PBW_FIT(sweep->memory, sweep->x, (corners + 1) * 2)
+        || !PBW_FIT(sweep->memory, sweep->number, corners + 1) || !PBW_FIT(sweep->memory, sweep->end, corners + 1)
+        || !PBW_FIT(sweep->memory, sweep->other, corners + 1) || !PBW_FIT(sweep->memory, sweep->first, corners + 2)
+        || !PBW_FIT(sweep->memory, sweep->starts, corners + 1)) {
+        PBW_RELEASE(sweep->memory, places);
         return PBW_ERROR_MEMORY;
     }
-    place = (pbwc__place *)places.data;
-    number = PBWC__INDICES(sweep->number);
-    end = PBWC__INDICES(sweep->end);
-    other = PBWC__INDICES(sweep->other);
-    first = PBWC__INDICES(sweep->first);
-    starts = PBWC__INDICES(sweep->starts);
+    place = places.at;
+    number = sweep->number.at;
+    end = sweep->end.at;
+    other = sweep->other.at;
+    first = sweep->first.at;
+    starts = sweep->starts.at;
     for (i = 0; i < corners; i++) {
         place[i].x = domain->rings + 2 * i;
         place[i].corner = (pbw_index)i;
@@ -2673,7 +2628,7 @@ static pbw_status pbwc__sort_corners(pbwc__sweep *sweep, const pbw_domain *domai
         }
         number[place[i].corner] = (pbw_index)sweep->count - 1;
     }
-    pbwc__release(sweep->memory, &places);
+    PBW_RELEASE(sweep->memory, places);
     memset(first, 0, (corners + 2) * sizeof *first);
     for (r = 0; r < domain->ring_count; r++) {
         for (i = domain->ring_first[r]; i < domain->ring_first[r + 1]; i++) {
@@ -2702,9 +2657,9 @@ static pbw_index pbwc__new_bar(pbwc__sweep *sweep)
     uint32_t bits;
     int height = 1;
     if (sweep->unused.count > 0) {
-        bar = PBWC__INDICES(sweep->unused)[--sweep->unused.count];
+        bar = sweep->unused.at[--sweep->unused.count];
     } else {
-        if (pbwc__room(sweep->memory, &sweep->bars, 1, sizeof(pbwc__bar)) == NULL) {
+        if (!PBW_RESERVE(sweep->memory, sweep->bars, 1)) {
             return PBW_NONE;
         }
         bar = (pbw_index)sweep->bars.count++;
@@ -2713,14 +2668,14 @@ static pbw_index pbwc__new_bar(pbwc__sweep *sweep)
     for (bits = sweep->state; height < PBWC__LEVELS && bits >> 30 == 0; bits <<= 2) {
         height++;
     }
-    PBWC__BAR(sweep, bar)->height = height;
+    sweep->bars.at[bar].height = height;
     return bar;
 }
 
 /* On which side of a bar a place is: 1 above, 0 on it, -1 below. */
 static int pbwc__above(const pbwc__sweep *sweep, pbw_index bar, pbw_index place)
 {
-    const pbwc__bar *b = PBWC__BAR(sweep, bar);
+    const pbwc__bar *b = sweep->bars.at + bar;
     return pbw_orient2(PBWC__PLACE(sweep, b->from), PBWC__PLACE(sweep, b->to), PBWC__PLACE(sweep, place));
 }
 
@@ -2731,7 +2686,7 @@ static void pbwc__find_path(pbwc__sweep *sweep, pbw_index place)
     int level;
     for (level = PBWC__LEVELS - 1; level >= 0; level--) {
         pbw_index next;
-        while ((next = PBWC__BAR(sweep, at)->next[level]) != PBW_NONE && pbwc__above(sweep, next, place) > 0) {
+        while ((next = sweep->bars.at[at].next[level]) != PBW_NONE && pbwc__above(sweep, next, place) > 0) {
             at = next;
         }
         sweep->path[level] = at;
@@ -2741,7 +2696,7 @@ static void pbwc__find_path(pbwc__sweep *sweep, pbw_index place)
 /* Returns PBW_ERROR_ARGUMENT, with the place, if two bars cross between their ends. */
 static pbw_status pbwc__check_bars(pbwc__sweep *sweep, pbw_index a, pbw_index b)
 {
-    const pbwc__bar *s = PBWC__BAR(sweep, a), *t = PBWC__BAR(sweep, b);
+    const pbwc__bar *s = sweep->bars.at + a, *t = sweep->bars.at + b;
     if (a == 0 || b == PBW_NONE || pbwc__above(sweep, a, t->from) * pbwc__above(sweep, a, t->to) >= 0
         || pbwc__above(sweep, b, s->from) * pbwc__above(sweep, b, s->to) >= 0) {
         return PBW_OK;
@@ -2763,12 +2718,13 @@ static pbw_status pbwc__check_bars(pbwc__sweep *sweep, pbw_index a, pbw_index b)
    memory. */
 static int pbwc__add_way(pbwc__sweep *sweep, pbw_index place, pbw_index edges)
 {
-    pbwc__way *way = (pbwc__way *)pbwc__room(sweep->memory, &sweep->ways, 1, sizeof *way);
-    pbw_index *other = PBWC__INDICES(sweep->other), next;
-    const pbw_index *end = PBWC__INDICES(sweep->end);
-    if (way == NULL) {
+    pbw_index *other = sweep->other.at, next;
+    const pbw_index *end = sweep->end.at;
+    pbwc__way *way;
+    if (!PBW_RESERVE(sweep->memory, sweep->ways, 1)) {
         return 0;
     }
+    way = sweep->ways.at + sweep->ways.count;
     way->count = 0;
     way->end = place;
     way->edges = way->last = PBW_NONE;
@@ -2795,18 +2751,18 @@ static int pbwc__take_bars(pbwc__sweep *sweep, pbw_index place)
     pbw_index bar;
     int level;
     sweep->left.count = 0;
-    while ((bar = PBWC__BAR(sweep, sweep->path[0])->next[0]) != PBW_NONE && pbwc__above(sweep, bar, place) == 0) {
-        const pbwc__bar *b = PBWC__BAR(sweep, bar);
+    while ((bar = sweep->bars.at[sweep->path[0]].next[0]) != PBW_NONE && pbwc__above(sweep, bar, place) == 0) {
+        const pbwc__bar *b = sweep->bars.at + bar;
         for (level = 0; level < b->height; level++) {
-            PBWC__BAR(sweep, sweep->path[level])->next[level] = b->next[level];
+            sweep->bars.at[sweep->path[level]].next[level] = b->next[level];
         }
         if (b->piece != PBW_NONE) {
-            PBWC__PIECE(sweep, b->piece)->to = place;
-            if (!pbwc__push(sweep->memory, &sweep->left, b->piece)) {
+            sweep->pieces.at[b->piece].to = place;
+            if (!PBW_PUSH(sweep->memory, sweep->left, b->piece)) {
                 return 0;
             }
         }
-        if (!pbwc__add_way(sweep, place, b->edges) || !pbwc__push(sweep->memory, &sweep->unused, bar)) {
+        if (!pbwc__add_way(sweep, place, b->edges) || !PBW_PUSH(sweep->memory, sweep->unused, bar)) {
             return 0;
         }
     }
@@ -2817,8 +2773,8 @@ static int pbwc__take_bars(pbwc__sweep *sweep, pbw_index place)
 static int pbwc__put_bar(pbwc__sweep *sweep, pbw_index place, const pbwc__way *way)
 {
     const pbw_index bar = pbwc__new_bar(sweep);
-    const int below = bar != PBW_NONE && PBWC__BAR(sweep, sweep->path[0])->inside;
-    pbwc__bar *b = PBWC__BAR(sweep, bar != PBW_NONE ? bar : 0);
+    const int below = bar != PBW_NONE && sweep->bars.at[sweep->path[0]].inside;
+    pbwc__bar *b = sweep->bars.at + (bar != PBW_NONE ? bar : 0);
     int level;
     if (bar == PBW_NONE) {
         return 0;
@@ -2829,21 +2785,21 @@ static int pbwc__put_bar(pbwc__sweep *sweep, pbw_index place, const pbwc__way *w
     b->piece = PBW_NONE;
     b->inside = below ^ (int)(way->count % 2);
     for (level = 0; level < b->height; level++) {
-        pbwc__bar *last = PBWC__BAR(sweep, sweep->path[level]);
+        pbwc__bar *last = sweep->bars.at + sweep->path[level];
         b->next[level] = last->next[level];
         last->next[level] = bar;
         sweep->path[level] = bar;
     }
     if (way->count % 2 != 0) {
-        pbwc__piece *piece = (pbwc__piece *)pbwc__room(sweep->memory, &sweep->pieces, 1, sizeof *piece);
-        if (piece == NULL || !pbwc__push(sweep->memory, &sweep->around, (pbw_index)sweep->pieces.count)) {
+        pbwc__piece piece;
+        memset(&piece, 0, sizeof piece);
+        piece.from = place;
+        piece.edge = way->edges;
+        piece.up = b->inside;
+        b->piece = (pbw_index)sweep->pieces.count;
+        if (!PBW_PUSH(sweep->memory, sweep->around, b->piece) || !PBW_PUSH(sweep->memory, sweep->pieces, piece)) {
             return 0;
         }
-        memset(piece, 0, sizeof *piece);
-        piece->from = place;
-        piece->edge = way->edges;
-        piece->up = b->inside;
-        b->piece = (pbw_index)sweep->pieces.count++;
     }
     return 1;
 }
@@ -2854,16 +2810,16 @@ static int pbwc__join_pieces(pbwc__sweep *sweep)
     const size_t right = sweep->around.count;
     size_t i;
     for (i = sweep->left.count; i-- > 0; ) {
-        if (!pbwc__push(sweep->memory, &sweep->around, PBWC__INDICES(sweep->left)[i])) {
+        if (!PBW_PUSH(sweep->memory, sweep->around, sweep->left.at[i])) {
             return 0;
         }
     }
     for (i = 0; i < sweep->around.count; i++) {
-        const pbw_index out = PBWC__INDICES(sweep->around)[i];
-        const pbw_index in = PBWC__INDICES(sweep->around)[i + 1 < sweep->around.count ? i + 1 : 0];
-        if (PBWC__PIECE(sweep, out)->up == (i < right)) {            /* the inside follows it */
-            PBWC__PIECE(sweep, in)->then = out;
-            PBWC__PIECE(sweep, in)->alone = sweep->around.count == 2;
+        const pbw_index out = sweep->around.at[i];
+        const pbw_index in = sweep->around.at[i + 1 < sweep->around.count ? i + 1 : 0];
+        if (sweep->pieces.at[out].up == (i < right)) {            /* the inside follows it */
+            sweep->pieces.at[in].then = out;
+            sweep->pieces.at[in].alone = sweep->around.count == 2;
         }
     }
     return 1;
@@ -2872,8 +2828,8 @@ static int pbwc__join_pieces(pbwc__sweep *sweep)
 /* Moves the sweep across a place. */
 static pbw_status pbwc__cross_place(pbwc__sweep *sweep, pbw_index place)
 {
-    const pbw_index *first = PBWC__INDICES(sweep->first), *starts = PBWC__INDICES(sweep->starts);
-    pbw_index *other = PBWC__INDICES(sweep->other), low, i;
+    const pbw_index *first = sweep->first.at, *starts = sweep->starts.at;
+    pbw_index *other = sweep->other.at, low, i;
     pbwc__way *way;
     size_t w, ways;
     pbw_status status;
@@ -2889,7 +2845,7 @@ static pbw_status pbwc__cross_place(pbwc__sweep *sweep, pbw_index place)
             return PBW_ERROR_MEMORY;
         }
     }
-    way = (pbwc__way *)sweep->ways.data;
+    way = sweep->ways.at;
     if (sweep->ways.count > 1) {
         qsort(way, sweep->ways.count, sizeof *way, pbwc__compare_ways);
     }
@@ -2912,25 +2868,25 @@ static pbw_status pbwc__cross_place(pbwc__sweep *sweep, pbw_index place)
     if (!pbwc__join_pieces(sweep)) {
         return PBW_ERROR_MEMORY;
     }
-    status = pbwc__check_bars(sweep, low, PBWC__BAR(sweep, low)->next[0]);
+    status = pbwc__check_bars(sweep, low, sweep->bars.at[low].next[0]);
     return status == PBW_OK && ways > 0
-         ? pbwc__check_bars(sweep, sweep->path[0], PBWC__BAR(sweep, sweep->path[0])->next[0]) : status;
+         ? pbwc__check_bars(sweep, sweep->path[0], sweep->bars.at[sweep->path[0]].next[0]) : status;
 }
 
 static void pbwc__sweep_end(pbwc__sweep *sweep)
 {
-    pbwc__release(sweep->memory, &sweep->x);
-    pbwc__release(sweep->memory, &sweep->number);
-    pbwc__release(sweep->memory, &sweep->end);
-    pbwc__release(sweep->memory, &sweep->other);
-    pbwc__release(sweep->memory, &sweep->first);
-    pbwc__release(sweep->memory, &sweep->starts);
-    pbwc__release(sweep->memory, &sweep->bars);
-    pbwc__release(sweep->memory, &sweep->unused);
-    pbwc__release(sweep->memory, &sweep->pieces);
-    pbwc__release(sweep->memory, &sweep->ways);
-    pbwc__release(sweep->memory, &sweep->around);
-    pbwc__release(sweep->memory, &sweep->left);
+    PBW_RELEASE(sweep->memory, sweep->x);
+    PBW_RELEASE(sweep->memory, sweep->number);
+    PBW_RELEASE(sweep->memory, sweep->end);
+    PBW_RELEASE(sweep->memory, sweep->other);
+    PBW_RELEASE(sweep->memory, sweep->first);
+    PBW_RELEASE(sweep->memory, sweep->starts);
+    PBW_RELEASE(sweep->memory, sweep->bars);
+    PBW_RELEASE(sweep->memory, sweep->unused);
+    PBW_RELEASE(sweep->memory, sweep->pieces);
+    PBW_RELEASE(sweep->memory, sweep->ways);
+    PBW_RELEASE(sweep->memory, sweep->around);
+    PBW_RELEASE(sweep->memory, sweep->left);
 }
 
 /* Finds the pieces of the boundary; pbwc__sweep_end is due in any case.  found: what crosses, or NULL. */
@@ -2947,8 +2903,8 @@ static pbw_status pbwc__sweep_rings(pbw_memory *memory, const pbw_domain *domain
     head = pbwc__new_bar(sweep);
     status = head != PBW_NONE ? pbwc__sort_corners(sweep, domain) : PBW_ERROR_MEMORY;
     for (level = 0; level < PBWC__LEVELS && head != PBW_NONE; level++) {
-        PBWC__BAR(sweep, head)->next[level] = PBW_NONE;
-        PBWC__BAR(sweep, head)->inside = 0;
+        sweep->bars.at[head].next[level] = PBW_NONE;
+        sweep->bars.at[head].inside = 0;
     }
     for (i = 0; status == PBW_OK && i < sweep->count; i++) {
         status = pbwc__cross_place(sweep, i);
@@ -2959,7 +2915,7 @@ static pbw_status pbwc__sweep_rings(pbw_memory *memory, const pbw_domain *domain
 /* Where a piece starts, with the inside on its left. */
 static const double *pbwc__piece_start(const pbwc__sweep *sweep, pbw_index piece)
 {
-    const pbwc__piece *p = PBWC__PIECE(sweep, piece);
+    const pbwc__piece *p = sweep->pieces.at + piece;
     return PBWC__PLACE(sweep, p->up ? p->from : p->to);
 }
 
@@ -3007,7 +2963,7 @@ PBWCELLSDEF pbw_status pbw_cells_rings(const pbw_domain *domain, const pbw_optio
     status = pbwc__sweep_rings(&job.memory, domain, &sweep, found);
     for (i = 0; status == PBW_OK && i < sweep.pieces.count; i++) {
         const double *o = PBWC__PLACE(&sweep, 0), *p = pbwc__piece_start(&sweep, i);
-        const double *q = pbwc__piece_start(&sweep, PBWC__PIECE(&sweep, i)->then);
+        const double *q = pbwc__piece_start(&sweep, sweep.pieces.at[i].then);
         found->area += 0.5 * ((p[0] - o[0]) * (q[1] - o[1]) - (p[1] - o[1]) * (q[0] - o[0]));
     }
     pbwc__sweep_end(&sweep);
@@ -3028,30 +2984,32 @@ PBWCELLSDEF pbw_status pbw_cells_rings(const pbw_domain *domain, const pbw_optio
    In: loops of the boundary, with the inside on the left of their edges, which do not cross if moved.  Out: visits,
    by cells; for each cell without one, whether it is inside.
    ------------------------------------------------------------------------------------------------------ */
-typedef struct pbwc__visit {
+struct pbwc__visit {
     pbw_index cell, edge;
     pbw_index in, out;                     /* the cells before and after; PBW_NONE: it starts or ends here */
     double t_in, t_out;                    /* where, from 0 to 1 on the edge */
-} pbwc__visit;
+};
 
 struct pbwc__clip {
     size_t count;                          /* corners, and edges: edge i goes from corner i to next[i] */
-    pbwc__array x, name, next;             /* two doubles a corner; the edge's number in the rings; per corner */
-    pbwc__array before, run;               /* per corner: the one before; the first edge of the straight run that the
+    pbwc__doubles x;                       /* two a corner */
+    pbwc__indices name, next;              /* per corner: the edge's number in the rings; the next corner */
+    pbwc__indices before, run;             /* per corner: the one before; the first edge of the straight run that the
                                               edge from it belongs to */
-    pbwc__array home, order;               /* per corner: the cell it is in; the corners along a curve */
-    pbwc__array chunks, visits, first;     /* visits of runs of edges; of cell v: visits first[v]..first[v+1]-1 */
-    pbwc__array root, inside;              /* per point: the first cell connected with it without a crossing; bit 0,
-                                              of those: they are inside, bit 1: an edge crosses into the cell */
+    pbwc__indices home, order;             /* per corner: the cell it is in; the corners along a curve */
+    PBW_ARRAY(pbwc__visits) chunks;        /* visits of runs of edges */
+    pbwc__visits visits;                   /* of cell v: visits first[v]..first[v+1]-1 */
+    pbwc__sizes first;
+    pbwc__indices root;                    /* per point: the first cell connected with it without a crossing */
+    pbwc__bytes inside;                    /* bit 0, of those: they are inside; bit 1: an edge crosses into it */
 };
 
-#define PBWC__CORNERS(clip) PBWC__DOUBLES((clip)->x)
 #define PBWC__EDGES 256                    /* edges in a run */
 
 static void pbwc__edge_ends(const pbwc__clip *clip, pbw_index edge, const double **p, const double **q)
 {
-    *p = PBWC__CORNERS(clip) + 2 * (size_t)edge;
-    *q = PBWC__CORNERS(clip) + 2 * (size_t)PBWC__INDICES(clip->next)[edge];
+    *p = clip->x.at + 2 * (size_t)edge;
+    *q = clip->x.at + 2 * (size_t)clip->next.at[edge];
 }
 
 /* The sign of u.(j - i), where u leads from p to q, or (turned) of u x (j - i). */
@@ -3074,9 +3032,9 @@ static int pbwc__along(const pbw_mesh *mesh, const double *p, const double *q, p
    ahead. */
 static int pbwc__corner_side(const pbwc__clip *clip, const pbw_mesh *mesh, pbw_index corner, pbw_index i, pbw_index j)
 {
-    const pbw_index *before = PBWC__INDICES(clip->before), *run = PBWC__INDICES(clip->run);
-    const pbw_index from = before[corner], to = PBWC__INDICES(clip->next)[corner];
-    const double *x = PBWC__CORNERS(clip), *a = x + 2 * (size_t)from, *c = x + 2 * (size_t)to;
+    const pbw_index *before = clip->before.at, *run = clip->run.at;
+    const pbw_index from = before[corner], to = clip->next.at[corner];
+    const double *x = clip->x.at, *a = x + 2 * (size_t)from, *c = x + 2 * (size_t)to;
     int side, turn, along;
     x += 2 * (size_t)corner;
     side = pbwc__side(mesh, x, i, j);
@@ -3100,9 +3058,9 @@ static int pbwc__corner_side(const pbwc__clip *clip, const pbw_mesh *mesh, pbw_i
 static pbw_index pbwc__exit(const pbwc__work *work, pbw_index v, pbw_index edge)
 {
     const pbw_mesh *mesh = work->job->mesh;
-    const pbwc__part *parts = PBWC__PARTS(work);
-    const pbwc__link *side = PBWC__LINKS(work);
-    const pbw_index end = PBWC__INDICES(work->job->clip->next)[edge];
+    const pbwc__part *parts = work->parts.at;
+    const pbwc__link *side = work->links.at;
+    const pbw_index end = work->job->clip->next.at[edge];
     const double *p, *q;
     size_t i;
     pbwc__edge_ends(work->job->clip, edge, &p, &q);
@@ -3130,25 +3088,25 @@ static double pbwc__crossing(const pbwc__clip *clip, const pbw_mesh *mesh, pbw_i
 }
 
 /* The cells that an edge visits.  Returns 0 if there is no memory. */
-static int pbwc__follow(pbwc__work *work, pbw_index edge, pbwc__array *visits)
+static int pbwc__follow(pbwc__work *work, pbw_index edge, pbwc__visits *visits)
 {
     const pbwc__clip *clip = work->job->clip;
     size_t steps = 0;
     pbwc__visit visit;
-    visit.cell = PBWC__INDICES(clip->home)[edge];
+    visit.cell = clip->home.at[edge];
     visit.in = PBW_NONE;
     visit.t_in = 0;
     do {
-        pbwc__visit *place = (pbwc__visit *)pbwc__room(work->memory, visits, 1, sizeof visit);
-        if (place == NULL || !pbwc__gather(work, visit.cell)) {
+        if (!pbwc__gather(work, visit.cell)) {
             return 0;
         }
         visit.edge = edge;
         visit.out = pbwc__exit(work, visit.cell, edge);
         visit.t_out = visit.out == PBW_NONE ? 1
                     : pbwc__crossing(clip, work->job->mesh, edge, visit.cell, visit.out);
-        *place = visit;
-        visits->count++;
+        if (!PBW_PUSH(work->memory, *visits, visit)) {
+            return 0;
+        }
         visit.in = visit.cell;
         visit.t_in = visit.t_out;
         visit.cell = visit.out;
@@ -3162,7 +3120,7 @@ static pbw_status pbwc__follow_edges(void *arg, size_t from, size_t to)
     pbwc__clip *clip = job->clip;
     pbwc__work work;
     int good = pbwc__work_start(&work, job);
-    pbwc__array *visits = (pbwc__array *)clip->chunks.data + from / PBWC__EDGES;
+    pbwc__visits *visits = clip->chunks.at + from / PBWC__EDGES;
     for (; good && from < to; from++) {
         good = pbwc__follow(&work, (pbw_index)from, visits);
     }
@@ -3191,8 +3149,8 @@ static pbw_status pbwc__find_own_cells(void *arg, size_t from, size_t to)
 {
     pbwc__job *job = (pbwc__job *)arg;
     const pbw_mesh *mesh = job->mesh;
-    pbw_index *home = PBWC__INDICES(job->clip->home), *order = PBWC__INDICES(job->clip->order);
-    pbw_index then = pbwc__vertex_near(mesh, PBWC__CORNERS(job->clip) + 2 * (size_t)order[from]);
+    pbw_index *home = job->clip->home.at, *order = job->clip->order.at;
+    pbw_index then = pbwc__vertex_near(mesh, job->clip->x.at + 2 * (size_t)order[from]);
     pbwc__work work;
     int good = pbwc__work_start(&work, job);
     for (; good && from < to; from++) {
@@ -3203,7 +3161,7 @@ static pbw_status pbwc__find_own_cells(void *arg, size_t from, size_t to)
             at = then;
             good = pbwc__gather(&work, at);
             for (u = 0; good && u < work.links.count; u++) {
-                const pbw_index other = PBWC__LINKS(&work)[u].vertex;
+                const pbw_index other = work.links.at[u].vertex;
                 then = pbwc__corner_side(job->clip, mesh, corner, then, other) > 0 ? other : then;
             }
         } while (good && then != at);
@@ -3242,25 +3200,25 @@ static pbw_status pbwc__check_polygon(const pbw_mesh *mesh, const pbw_domain *do
    them become one. */
 static void pbwc__copy_loop(pbwc__clip *clip, pbwc__sweep *sweep, pbw_index piece)
 {
-    pbw_index *before = PBWC__INDICES(clip->before), *next = PBWC__INDICES(clip->next);
-    pbw_index *run = PBWC__INDICES(clip->run), at = piece, start = piece;
+    pbw_index *before = clip->before.at, *next = clip->next.at;
+    pbw_index *run = clip->run.at, at = piece, start = piece;
     const pbw_index first = (pbw_index)clip->count;
-    const double *x = PBWC__CORNERS(clip);
+    const double *x = clip->x.at;
     do {                                             /* places are in order */
         if (pbwc__piece_start(sweep, at) < pbwc__piece_start(sweep, start)) {
             start = at;
         }
-        PBWC__PIECE(sweep, at)->done = 1;
-        at = PBWC__PIECE(sweep, at)->then;
+        sweep->pieces.at[at].done = 1;
+        at = sweep->pieces.at[at].then;
     } while (at != piece);
     at = start;
     do {
-        const pbwc__piece *p = PBWC__PIECE(sweep, at);
+        const pbwc__piece *p = sweep->pieces.at + at;
         const pbw_index then = p->then;
-        memcpy(PBWC__CORNERS(clip) + 2 * clip->count, pbwc__piece_start(sweep, at), 2 * sizeof(double));
-        PBWC__INDICES(clip->name)[clip->count] = p->edge;
-        for (at = then; p->alone && at != start && PBWC__PIECE(sweep, at)->edge == p->edge; ) {
-            p = PBWC__PIECE(sweep, at);
+        memcpy(clip->x.at + 2 * clip->count, pbwc__piece_start(sweep, at), 2 * sizeof(double));
+        clip->name.at[clip->count] = p->edge;
+        for (at = then; p->alone && at != start && sweep->pieces.at[at].edge == p->edge; ) {
+            p = sweep->pieces.at + at;
             at = p->then;
         }
         before[clip->count] = (pbw_index)clip->count - 1;
@@ -3284,16 +3242,13 @@ static pbw_status pbwc__copy_rings(pbwc__job *job, const pbw_domain *domain)
     pbw_status status = pbwc__sweep_rings(&job->memory, domain, &sweep, NULL);
     const size_t pieces = sweep.pieces.count;
     if (status == PBW_OK
-        && (!pbwc__resize(&job->memory, &clip->x, pieces * 2 * sizeof(double))
-            || !pbwc__resize(&job->memory, &clip->name, pieces * sizeof(pbw_index))
-            || !pbwc__resize(&job->memory, &clip->next, pieces * sizeof(pbw_index))
-            || !pbwc__resize(&job->memory, &clip->before, pieces * sizeof(pbw_index))
-            || !pbwc__resize(&job->memory, &clip->run, pieces * sizeof(pbw_index))
-            || !pbwc__resize(&job->memory, &clip->home, pieces * sizeof(pbw_index)))) {
+        && (!PBW_FIT(&job->memory, clip->x, pieces * 2) || !PBW_FIT(&job->memory, clip->name, pieces)
+            || !PBW_FIT(&job->memory, clip->next, pieces) || !PBW_FIT(&job->memory, clip->before, pieces)
+            || !PBW_FIT(&job->memory, clip->run, pieces) || !PBW_FIT(&job->memory, clip->home, pieces))) {
         status = PBW_ERROR_MEMORY;
     }
     for (i = 0; status == PBW_OK && i < pieces; i++) {
-        if (!PBWC__PIECE(&sweep, i)->done) {
+        if (!sweep.pieces.at[i].done) {
             pbwc__copy_loop(clip, &sweep, i);
         }
     }
@@ -3308,29 +3263,28 @@ static pbw_status pbwc__sort_visits(pbwc__job *job)
 {
     pbwc__clip *clip = job->clip;
     size_t c, i, sum = 0, *first;
-    if (!pbwc__resize(&job->memory, &clip->first, (job->count + 2) * sizeof(size_t))) {
+    if (!PBW_ZEROS(&job->memory, clip->first, job->count + 2)) {
         return PBW_ERROR_MEMORY;
     }
-    first = (size_t *)clip->first.data;
-    memset(first, 0, (job->count + 2) * sizeof(size_t));
+    first = clip->first.at;
     for (c = 0; c < clip->chunks.count; c++) {
-        const pbwc__array *chunk = (const pbwc__array *)clip->chunks.data + c;
+        const pbwc__visits *chunk = clip->chunks.at + c;
         for (i = 0; i < chunk->count; i++) {
-            first[((const pbwc__visit *)chunk->data)[i].cell + 2]++;
+            first[chunk->at[i].cell + 2]++;
         }
         sum += chunk->count;
     }
-    if (!pbwc__resize(&job->memory, &clip->visits, sum * sizeof(pbwc__visit) + 1)) {
+    if (!PBW_FIT(&job->memory, clip->visits, sum + 1)) {
         return PBW_ERROR_MEMORY;
     }
     for (i = 2; i < job->count + 2; i++) {
         first[i] += first[i - 1];
     }
     for (c = 0; c < clip->chunks.count; c++) {       /* first[v + 1] moves from the begin to the end of v's */
-        const pbwc__array *chunk = (const pbwc__array *)clip->chunks.data + c;
+        const pbwc__visits *chunk = clip->chunks.at + c;
         for (i = 0; i < chunk->count; i++) {
-            const pbwc__visit *visit = (const pbwc__visit *)chunk->data + i;
-            ((pbwc__visit *)clip->visits.data)[first[visit->cell + 1]++] = *visit;
+            const pbwc__visit *visit = chunk->at + i;
+            clip->visits.at[first[visit->cell + 1]++] = *visit;
         }
     }
     return PBW_OK;
@@ -3338,9 +3292,9 @@ static pbw_status pbwc__sort_visits(pbwc__job *job)
 
 static const pbwc__visit *pbwc__visits_of(const pbwc__clip *clip, size_t v, size_t *count)
 {
-    const size_t *first = (const size_t *)clip->first.data;
+    const size_t *first = clip->first.at;
     *count = first[v + 1] - first[v];
-    return (const pbwc__visit *)clip->visits.data + first[v];
+    return clip->visits.at + first[v];
 }
 
 /* Joins neighbours that no edge crosses; marks those that one does. */
@@ -3351,12 +3305,11 @@ static pbw_status pbwc__connect(pbwc__job *job)
     unsigned char *inside;
     pbw_index *root;
     size_t i, k, count;
-    if (!pbwc__resize(&job->memory, &clip->root, job->count * sizeof(pbw_index) + 1)
-        || !pbwc__resize(&job->memory, &clip->inside, job->count + 1)) {
+    if (!PBW_FIT(&job->memory, clip->root, job->count + 1) || !PBW_FIT(&job->memory, clip->inside, job->count + 1)) {
         return PBW_ERROR_MEMORY;
     }
-    root = PBWC__INDICES(clip->root);
-    inside = (unsigned char *)clip->inside.data;
+    root = clip->root.at;
+    inside = clip->inside.at;
     for (i = 0; i < job->count; i++) {
         const pbwc__visit *visit = pbwc__visits_of(clip, i, &count);
         root[i] = (pbw_index)i;
@@ -3383,26 +3336,13 @@ static pbw_status pbwc__connect(pbwc__job *job)
    In: a cell's star and visits.  Out: its loops, facets and moments.
    ------------------------------------------------------------------------------------------------------ */
 
-typedef struct pbwc__end { int side, leaves, visit; } pbwc__end;     /* of a chain, at a link */
-
-typedef struct pbwc__corner {              /* of a loop; what it is known to be at, exactly: */
-    double x[2];                           /* relative to the site */
-    int part;                              /* the centre of a part, else -1 */
-    pbw_index ring;                        /* a corner of the polygon, else PBW_NONE */
-    pbw_index edge;                        /* what goes on from here: this edge, or if PBW_NONE */
-    int link;                              /* the side to this link */
-} pbwc__corner;
-
-#define PBWC__ENDS(work) ((pbwc__end *)(work)->ends.data)
-#define PBWC__LOOP(work) ((pbwc__corner *)(work)->loop.data)
-
 /* Returns 1 if the sector of the inside at a corner has the ray from there along u, -1 if the opposite ray, else 0.
    u leads counter-clockwise along the side between the cells of i and j, as seen from i. */
 static int pbwc__sector_side(const pbwc__clip *clip, const pbw_mesh *mesh, pbw_index corner, pbw_index i, pbw_index j)
 {
-    const double *x = PBWC__CORNERS(clip), *at = x + 2 * (size_t)corner;
-    const double *p = x + 2 * (size_t)PBWC__INDICES(clip->before)[corner];
-    const double *q = x + 2 * (size_t)PBWC__INDICES(clip->next)[corner];
+    const double *x = clip->x.at, *at = x + 2 * (size_t)corner;
+    const double *p = x + 2 * (size_t)clip->before.at[corner];
+    const double *q = x + 2 * (size_t)clip->next.at[corner];
     const int turn = pbw_orient2(p, at, q), to_q = pbwc__along(mesh, at, q, i, j, 0);
     const int to_p = pbwc__along(mesh, at, p, i, j, 0);              /* the signs of (q - at) x u and (p - at) x u */
     const int forward = turn > 0 ? to_q > 0 && to_p < 0 : turn < 0 ? to_q > 0 || to_p < 0 : to_q > 0;
@@ -3415,8 +3355,8 @@ static int pbwc__sector_side(const pbwc__clip *clip, const pbw_mesh *mesh, pbw_i
 static int pbwc__touching_ends(const pbwc__work *work, pbw_index beyond, pbw_index e, pbw_index f)
 {
     const pbwc__clip *clip = work->job->clip;
-    const pbw_index *next = PBWC__INDICES(clip->next);
-    const double *x = PBWC__CORNERS(clip);
+    const pbw_index *next = clip->next.at;
+    const double *x = clip->x.at;
     int i, side;
     for (i = 0; i < 4; i++) {
         const pbw_index a = i % 2 != 0 ? next[e] : e, b = i / 2 != 0 ? next[f] : f;
@@ -3445,7 +3385,7 @@ static int pbwc__end_before(const pbwc__work *work, const pbwc__end *a, const pb
     if (a->side != b->side) {
         return a->side < b->side;
     }
-    low = pbwc__touching_ends(work, PBWC__LINKS(work)[a->side].vertex, visit[a->visit].edge, visit[b->visit].edge);
+    low = pbwc__touching_ends(work, work->links.at[a->side].vertex, visit[a->visit].edge, visit[b->visit].edge);
     if (low != 0) {
         return low > 0;
     }
@@ -3481,16 +3421,11 @@ static void pbwc__sift(const pbwc__work *work, pbwc__end *ends, size_t at, size_
 
 static int pbwc__add_end(pbwc__work *work, pbw_index beyond, size_t visit, int leaves)
 {
-    pbwc__end *end = (pbwc__end *)pbwc__room(work->memory, &work->ends, 1, sizeof *end);
-    const int side = pbwc__number(work->memory, &work->numbers, beyond, 0);
-    if (end == NULL || side < 0) {
-        return 0;
-    }
-    end->side = side;
-    end->leaves = leaves;
-    end->visit = (int)visit;
-    work->ends.count++;
-    return 1;
+    pbwc__end end;
+    end.side = pbwc__number(work->memory, &work->numbers, beyond, 0);
+    end.leaves = leaves;
+    end.visit = (int)visit;
+    return end.side >= 0 && PBW_PUSH(work->memory, work->ends, end);
 }
 
 /* Gathers the star of v and where chains end on its sides, counter-clockwise.  Returns 0 if there is no memory. */
@@ -3506,7 +3441,7 @@ static int pbwc__find_ends(pbwc__work *work, pbw_index v)
     }
     pbwc__map_clear(&work->numbers);
     for (i = 0; i < work->links.count; i++) {
-        if (pbwc__number(work->memory, &work->numbers, PBWC__LINKS(work)[i].vertex, (int)i) < 0) {
+        if (pbwc__number(work->memory, &work->numbers, work->links.at[i].vertex, (int)i) < 0) {
             return 0;
         }
     }
@@ -3516,7 +3451,7 @@ static int pbwc__find_ends(pbwc__work *work, pbw_index v)
             return 0;
         }
     }
-    ends = (pbwc__end *)work->ends.data;
+    ends = work->ends.at;
     for (i = work->ends.count / 2; i-- > 0; ) {
         pbwc__sift(work, ends, i, work->ends.count);
     }
@@ -3533,7 +3468,7 @@ static int pbwc__find_ends(pbwc__work *work, pbw_index v)
 static pbw_status pbwc__classify_neighbors(void *arg, size_t from, size_t to)
 {
     pbwc__job *job = (pbwc__job *)arg;
-    unsigned char *inside = (unsigned char *)job->clip->inside.data;
+    unsigned char *inside = job->clip->inside.at;
     pbwc__work work;
     int good = pbwc__work_start(&work, job);
     for (; good && from < to; from++) {
@@ -3543,15 +3478,15 @@ static pbw_status pbwc__classify_neighbors(void *arg, size_t from, size_t to)
             continue;
         }
         good = pbwc__find_ends(&work, (pbw_index)from);
-        end = (const pbwc__end *)work.ends.data;
+        end = work.ends.at;
         for (i = at = 0; good && i < work.links.count; i++) {
-            const pbw_index other = PBWC__LINKS(&work)[i].vertex;
+            const pbw_index other = work.links.at[i].vertex;
             while (at < work.ends.count && end[at].side <= (int)i) {
                 at++;
             }
             if (other < job->count && (PBW_ATOMIC_LOAD(inside + other) & 2) == 0
                 && end[at > 0 ? at - 1 : work.ends.count - 1].leaves) {
-                unsigned char *mark = inside + PBWC__INDICES(job->clip->root)[other];
+                unsigned char *mark = inside + job->clip->root.at[other];
                 PBW_ATOMIC_STORE(mark, 1);                /* threads may write the same */
             }
         }
@@ -3563,19 +3498,20 @@ static pbw_status pbwc__classify_neighbors(void *arg, size_t from, size_t to)
 /* A corner at the end of the loop.  Returns NULL if there is no memory. */
 static pbwc__corner *pbwc__add_corner(pbwc__work *work)
 {
-    pbwc__corner *corner = (pbwc__corner *)pbwc__room(work->memory, &work->loop, 1, sizeof *corner);
-    if (corner != NULL) {
-        corner->part = -1;
-        corner->ring = corner->edge = PBW_NONE;
-        work->loop.count++;
+    pbwc__corner *corner;
+    if (!PBW_RESERVE(work->memory, work->loop, 1)) {
+        return NULL;
     }
+    corner = work->loop.at + work->loop.count++;
+    corner->part = -1;
+    corner->ring = corner->edge = PBW_NONE;
     return corner;
 }
 
 static int pbwc__add_ring_corner(pbwc__work *work, pbw_index v, pbw_index at)
 {
     const double *site = work->job->mesh->points + 2 * (size_t)v;
-    const double *x = PBWC__CORNERS(work->job->clip) + 2 * (size_t)at;
+    const double *x = work->job->clip->x.at + 2 * (size_t)at;
     pbwc__corner *corner = pbwc__add_corner(work);
     if (corner == NULL) {
         return 0;
@@ -3592,7 +3528,7 @@ static int pbwc__add_centre(pbwc__work *work, int part, int link)
     if (corner == NULL) {
         return 0;
     }
-    memcpy(corner->x, PBWC__PARTS(work)[part].centre, 2 * sizeof(double));
+    memcpy(corner->x, work->parts.at[part].centre, 2 * sizeof(double));
     corner->part = part;
     corner->link = link;
     return 1;
@@ -3604,7 +3540,7 @@ static int pbwc__add_crossing(pbwc__work *work, pbw_index v, const pbwc__end *en
     const pbw_mesh *mesh = work->job->mesh;
     const pbwc__clip *clip = work->job->clip;
     const pbwc__visit *visit = work->visits + end->visit;
-    const pbwc__link *side = PBWC__LINKS(work) + end->side;
+    const pbwc__link *side = work->links.at + end->side;
     const double t = end->leaves ? visit->t_out : visit->t_in, *site = mesh->points + 2 * (size_t)v;
     const double *p, *q, *at = NULL;
     const pbw_index beyond = side->vertex;
@@ -3620,16 +3556,16 @@ static int pbwc__add_crossing(pbwc__work *work, pbw_index v, const pbwc__end *en
         corner->ring = visit->edge;
         at = p;
     } else if (pbwc__side(mesh, q, v, beyond) == 0) {
-        corner->ring = PBWC__INDICES(clip->next)[visit->edge];
+        corner->ring = clip->next.at[visit->edge];
         at = q;
     }
-    if (side->from >= 0 && pbwc__centre_side(mesh, p, q, PBWC__PARTS(work)[side->from].simplex) == 0) {
+    if (side->from >= 0 && pbwc__centre_side(mesh, p, q, work->parts.at[side->from].simplex) == 0) {
         corner->part = side->from;
-    } else if (side->to >= 0 && pbwc__centre_side(mesh, p, q, PBWC__PARTS(work)[side->to].simplex) == 0) {
+    } else if (side->to >= 0 && pbwc__centre_side(mesh, p, q, work->parts.at[side->to].simplex) == 0) {
         corner->part = side->to;
     }
     for (k = 0; k < 2; k++) {
-        corner->x[k] = corner->part >= 0 ? PBWC__PARTS(work)[corner->part].centre[k]
+        corner->x[k] = corner->part >= 0 ? work->parts.at[corner->part].centre[k]
                      : at != NULL ? at[k] - site[k] : (p[k] - site[k]) + t * (q[k] - p[k]);
     }
     return 1;
@@ -3638,7 +3574,7 @@ static int pbwc__add_crossing(pbwc__work *work, pbw_index v, const pbwc__end *en
 /* The visit of the edge after this one's, in this cell; -1 if there is none. */
 static int pbwc__next_visit(const pbwc__work *work, int visit)
 {
-    const pbw_index edge = PBWC__INDICES(work->job->clip->next)[work->visits[visit].edge];
+    const pbw_index edge = work->job->clip->next.at[work->visits[visit].edge];
     size_t low = 0, high = work->visit_count;
     while (low < high) {
         const size_t middle = low + (high - low) / 2;
@@ -3655,9 +3591,9 @@ static int pbwc__next_visit(const pbwc__work *work, int visit)
 /* Follows the sides of the cell from one end to the next one, which must enter. */
 static pbw_status pbwc__along_sides(pbwc__work *work, size_t end)
 {
-    const pbwc__end *ends = (const pbwc__end *)work->ends.data, *from = ends + end;
+    const pbwc__end *ends = work->ends.at, *from = ends + end;
     const pbwc__end *to = ends + (end + 1 < work->ends.count ? end + 1 : 0);
-    const pbwc__link *links = PBWC__LINKS(work);
+    const pbwc__link *links = work->links.at;
     int side = from->side, steps = to->side - side;
     if (to->leaves) {
         return PBW_ERROR_ARGUMENT;                   /* rings cross */
@@ -3677,10 +3613,10 @@ static pbw_status pbwc__along_sides(pbwc__work *work, size_t end)
 
 static int pbwc__same_corner(const pbwc__work *work, const pbwc__corner *a, const pbwc__corner *b)
 {
-    const pbw_index *merged = PBWC__INDICES(work->job->merged);
-    const double *x = PBWC__CORNERS(work->job->clip);
+    const pbw_index *merged = work->job->merged.at;
+    const double *x = work->job->clip->x.at;
     if (a->part >= 0 && b->part >= 0) {
-        const pbw_index s = PBWC__PARTS(work)[a->part].simplex, t = PBWC__PARTS(work)[b->part].simplex;
+        const pbw_index s = work->parts.at[a->part].simplex, t = work->parts.at[b->part].simplex;
         return s == t || (merged != NULL && merged[s] == merged[t]);
     }
     return a->ring != PBW_NONE && b->ring != PBW_NONE
@@ -3702,10 +3638,10 @@ static void pbwc__join_corners(pbwc__corner *a, const pbwc__corner *b)
 /* Ends the loop from corner `begin`; removes edges without length. */
 static void pbwc__end_loop(pbwc__work *work, size_t begin)
 {
-    pbwc__corner *loop = PBWC__LOOP(work) + begin;
+    pbwc__corner *loop = work->loop.at + begin;
     size_t i, count = 0;
     for (i = begin; i < work->loop.count; i++) {
-        const pbwc__corner *corner = PBWC__LOOP(work) + i;
+        const pbwc__corner *corner = work->loop.at + i;
         if (count > 0 && pbwc__same_corner(work, loop + count - 1, corner)) {
             pbwc__join_corners(loop + count - 1, corner);
         } else {
@@ -3724,7 +3660,7 @@ static void pbwc__end_loop(pbwc__work *work, size_t begin)
 static pbw_status pbwc__trace(pbwc__work *work, pbw_index v, int visit)
 {
     const size_t begin = work->loop.count;
-    unsigned char *used = (unsigned char *)work->used.data;
+    unsigned char *used = work->used.at;
     const int start = visit;
     pbw_status status = PBW_OK;
     do {
@@ -3734,7 +3670,7 @@ static pbw_status pbwc__trace(pbwc__work *work, pbw_index v, int visit)
             return PBW_ERROR_ARGUMENT;
         }
         used[visit] = 1;
-        if (at->in != PBW_NONE && !pbwc__add_crossing(work, v, PBWC__ENDS(work) + work->end_places[2 * visit])) {
+        if (at->in != PBW_NONE && !pbwc__add_crossing(work, v, work->ends.at + work->end_of.at[2 * visit])) {
             return PBW_ERROR_MEMORY;
         }
         if (at->in == PBW_NONE && !pbwc__add_ring_corner(work, v, at->edge)) {
@@ -3743,12 +3679,12 @@ static pbw_status pbwc__trace(pbwc__work *work, pbw_index v, int visit)
         if (at->out == PBW_NONE) {
             then = pbwc__next_visit(work, visit);
         } else {
-            const size_t end = work->end_places[2 * visit + 1];
-            if (!pbwc__add_crossing(work, v, PBWC__ENDS(work) + end)) {
+            const size_t end = work->end_of.at[2 * visit + 1];
+            if (!pbwc__add_crossing(work, v, work->ends.at + end)) {
                 return PBW_ERROR_MEMORY;
             }
             status = pbwc__along_sides(work, end);
-            then = PBWC__ENDS(work)[end + 1 < work->ends.count ? end + 1 : 0].visit;
+            then = work->ends.at[end + 1 < work->ends.count ? end + 1 : 0].visit;
         }
         visit = then;
     } while (status == PBW_OK && visit >= 0 && visit != start);
@@ -3759,7 +3695,7 @@ static pbw_status pbwc__trace(pbwc__work *work, pbw_index v, int visit)
 /* Returns whether a cell that no edge crosses is inside, apart from rings within it. */
 static int pbwc__is_inside(const pbwc__clip *clip, pbw_index v)
 {
-    return ((const unsigned char *)clip->inside.data)[PBWC__INDICES(clip->root)[v]] & 1;
+    return clip->inside.at[clip->root.at[v]] & 1;
 }
 
 /* All loops of the cell of v; in work->loop, where each begins in work->begins.  Returns a status. */
@@ -3769,21 +3705,21 @@ static pbw_status pbwc__find_loops(pbwc__work *work, pbw_index v)
     size_t i, pass;
     pbw_status status = PBW_OK;
     work->loop.count = work->begins.count = work->used.count = work->end_of.count = 0;
-    used = (unsigned char *)pbwc__room(work->memory, &work->used, work->visit_count + 1, 1);
-    work->end_places = (size_t *)pbwc__room(work->memory, &work->end_of, 2 * work->visit_count + 1, sizeof(size_t));
-    if (used == NULL || work->end_places == NULL) {
+    if (!PBW_RESERVE(work->memory, work->used, work->visit_count + 1)
+        || !PBW_RESERVE(work->memory, work->end_of, 2 * work->visit_count + 1)) {
         return PBW_ERROR_MEMORY;
     }
+    used = work->used.at;
     memset(used, 0, work->visit_count);
     for (i = 0; i < work->ends.count; i++) {
-        work->end_places[2 * PBWC__ENDS(work)[i].visit + PBWC__ENDS(work)[i].leaves] = i;
+        work->end_of.at[2 * work->ends.at[i].visit + work->ends.at[i].leaves] = i;
     }
     if (work->ends.count == 0 && pbwc__is_inside(work->job->clip, v)) {
-        if (!pbwc__push(work->memory, &work->begins, 0)) {
+        if (!PBW_PUSH(work->memory, work->begins, 0)) {
             return PBW_ERROR_MEMORY;
         }
         for (i = 0; i < work->links.count; i++) {    /* all of the cell, around what rings cut from it */
-            const pbwc__link *side = PBWC__LINKS(work) + i;
+            const pbwc__link *side = work->links.at + i;
             if (side->from < 0 || !pbwc__add_centre(work, side->from, (int)i)) {
                 return side->from < 0 ? PBW_ERROR_ARGUMENT : PBW_ERROR_MEMORY;
             }
@@ -3794,7 +3730,7 @@ static pbw_status pbwc__find_loops(pbwc__work *work, pbw_index v)
         for (i = 0; status == PBW_OK && i < work->visit_count; i++) {
             const pbw_index begin = (pbw_index)work->loop.count;
             if (!used[i] && (pass == 1 || work->visits[i].in != PBW_NONE)) {
-                status = pbwc__push(work->memory, &work->begins, begin) ? pbwc__trace(work, v, (int)i)
+                status = PBW_PUSH(work->memory, work->begins, begin) ? pbwc__trace(work, v, (int)i)
                        : PBW_ERROR_MEMORY;
             }
         }
@@ -3806,16 +3742,16 @@ static pbw_status pbwc__find_loops(pbwc__work *work, pbw_index v)
 static pbw_index pbwc__corner_vertex(pbwc__work *work, pbw_index v, const pbwc__corner *corner)
 {
     const pbw_mesh *mesh = work->job->mesh;
-    const pbw_index *merged = PBWC__INDICES(work->job->merged);
+    const pbw_index *merged = work->job->merged.at;
     double x[2];
     pbw_index number;
     int k;
     if (corner->part >= 0) {
-        const pbw_index simplex = PBWC__PARTS(work)[corner->part].simplex;
+        const pbw_index simplex = work->parts.at[corner->part].simplex;
         return merged != NULL ? merged[simplex] : simplex;
     }
     for (k = 0; k < 2; k++) {
-        x[k] = corner->ring != PBW_NONE ? PBWC__CORNERS(work->job->clip)[2 * (size_t)corner->ring + (size_t)k]
+        x[k] = corner->ring != PBW_NONE ? work->job->clip->x.at[2 * (size_t)corner->ring + (size_t)k]
              : mesh->points[2 * (size_t)v + (size_t)k] + corner->x[k];
     }
     number = pbwc__push_vector(work, &work->out->vertices, x);
@@ -3825,7 +3761,7 @@ static pbw_index pbwc__corner_vertex(pbwc__work *work, pbw_index v, const pbwc__
 /* Adds a loop's area and moments to sum, and its sides to the facets.  Returns 0 if there is no memory. */
 static int pbwc__loop_out(pbwc__work *work, pbw_index v, size_t begin, size_t end, double *sum)
 {
-    const pbwc__corner *loop = PBWC__LOOP(work);
+    const pbwc__corner *loop = work->loop.at;
     const int shapes = (work->job->what & PBW_CELLS_SHAPES) != 0;
     const pbw_index first = shapes ? pbwc__corner_vertex(work, v, loop + begin) : 0;
     pbw_index from = first, to;
@@ -3835,13 +3771,13 @@ static int pbwc__loop_out(pbwc__work *work, pbw_index v, size_t begin, size_t en
         const double x = b->x[0] - a->x[0], y = b->x[1] - a->x[1];
         const size_t entries = work->out->loops.count;
         to = !shapes || i + 1 == end ? first : pbwc__corner_vertex(work, v, b);
-        if (shapes && (from == PBW_NONE || to == PBW_NONE || !pbwc__push(work->memory, &work->out->loops, from)
-                       || !pbwc__push(work->memory, &work->out->loops, to))) {
+        if (shapes && (from == PBW_NONE || to == PBW_NONE || !PBW_PUSH(work->memory, work->out->loops, from)
+                       || !PBW_PUSH(work->memory, work->out->loops, to))) {
             return 0;
         }
         if (!pbwc__facet_done(work, a->edge != PBW_NONE
-                              ? PBW_NONE - 1 - PBWC__INDICES(work->job->clip->name)[a->edge]
-                              : PBWC__LINKS(work)[a->link].vertex, sqrt(x * x + y * y), entries)) {
+                              ? PBW_NONE - 1 - work->job->clip->name.at[a->edge]
+                              : work->links.at[a->link].vertex, sqrt(x * x + y * y), entries)) {
             return 0;
         }
     }
@@ -3879,8 +3815,8 @@ static pbw_status pbwc__clip_cell(pbwc__work *work, pbw_index v)
     }
     status = pbwc__find_loops(work, v);
     for (i = 0; status == PBW_OK && i < work->begins.count; i++) {
-        const size_t begin = PBWC__INDICES(work->begins)[i];
-        const size_t end = i + 1 < work->begins.count ? PBWC__INDICES(work->begins)[i + 1] : work->loop.count;
+        const size_t begin = work->begins.at[i];
+        const size_t end = i + 1 < work->begins.count ? work->begins.at[i + 1] : work->loop.count;
         status = pbwc__loop_out(work, v, begin, end, sum) ? PBW_OK : PBW_ERROR_MEMORY;
     }
     if (status == PBW_OK) {
@@ -3894,18 +3830,14 @@ static pbw_status pbwc__start_clip(pbwc__job *job)
 {
     const pbw_options *options = &job->options;
     pbwc__clip *clip = job->clip;
-    pbw_status status = PBW_OK;
-    clip->chunks.count = (clip->count + PBWC__EDGES - 1) / PBWC__EDGES;
-    if (!pbwc__resize(&job->memory, &clip->order, clip->count * sizeof(pbw_index))
-        || !pbwc__resize(&job->memory, &clip->chunks, clip->chunks.count * sizeof(pbwc__array))) {
-        clip->chunks.count = 0;
-        status = PBW_ERROR_MEMORY;
-    } else {
-        memset(clip->chunks.data, 0, clip->chunks.bytes);
-        status = pbw_order(2, PBWC__CORNERS(clip), clip->count, options, PBWC__INDICES(clip->order));
+    pbw_status status;
+    if (!PBW_FIT(&job->memory, clip->order, clip->count)
+        || !PBW_ZEROS(&job->memory, clip->chunks, (clip->count + PBWC__EDGES - 1) / PBWC__EDGES)) {
+        return PBW_ERROR_MEMORY;
     }
+    status = pbw_order(2, clip->x.at, clip->count, options, clip->order.at);
     status = status == PBW_OK ? pbw_for(options, clip->count, PBWC__EDGES, pbwc__find_own_cells, job) : status;
-    pbwc__release(&job->memory, &clip->order);
+    PBW_RELEASE(&job->memory, clip->order);
     status = status == PBW_OK ? pbw_for(options, clip->count, PBWC__EDGES, pbwc__follow_edges, job) : status;
     status = status == PBW_OK ? pbwc__sort_visits(job) : status;
     status = status == PBW_OK ? pbwc__connect(job) : status;
@@ -3917,20 +3849,20 @@ static void pbwc__end_clip(pbwc__job *job)
     pbwc__clip *clip = job->clip;
     size_t i;
     for (i = 0; i < clip->chunks.count; i++) {
-        pbwc__release(&job->memory, (pbwc__array *)clip->chunks.data + i);
+        PBW_RELEASE(&job->memory, clip->chunks.at[i]);
     }
-    pbwc__release(&job->memory, &clip->chunks);
-    pbwc__release(&job->memory, &clip->x);
-    pbwc__release(&job->memory, &clip->name);
-    pbwc__release(&job->memory, &clip->next);
-    pbwc__release(&job->memory, &clip->before);
-    pbwc__release(&job->memory, &clip->run);
-    pbwc__release(&job->memory, &clip->home);
-    pbwc__release(&job->memory, &clip->order);
-    pbwc__release(&job->memory, &clip->visits);
-    pbwc__release(&job->memory, &clip->first);
-    pbwc__release(&job->memory, &clip->root);
-    pbwc__release(&job->memory, &clip->inside);
+    PBW_RELEASE(&job->memory, clip->chunks);
+    PBW_RELEASE(&job->memory, clip->x);
+    PBW_RELEASE(&job->memory, clip->name);
+    PBW_RELEASE(&job->memory, clip->next);
+    PBW_RELEASE(&job->memory, clip->before);
+    PBW_RELEASE(&job->memory, clip->run);
+    PBW_RELEASE(&job->memory, clip->home);
+    PBW_RELEASE(&job->memory, clip->order);
+    PBW_RELEASE(&job->memory, clip->visits);
+    PBW_RELEASE(&job->memory, clip->first);
+    PBW_RELEASE(&job->memory, clip->root);
+    PBW_RELEASE(&job->memory, clip->inside);
 }
 
 /* ------------------------------------------------------------------------------------------------------
@@ -3975,14 +3907,14 @@ static int pbwc__grid_at(const pbwc__period *period, int k, double height)
 
 static unsigned char *pbwc__grid_mark(const pbwc__period *period, const int at[3])
 {
-    return (unsigned char *)period->marks.data + ((size_t)at[2] * PBWC__GRID + (size_t)at[1]) * PBWC__GRID + at[0];
+    return period->marks.at + ((size_t)at[2] * PBWC__GRID + (size_t)at[1]) * PBWC__GRID + at[0];
 }
 
 /* The copy of a point at x. */
 static void pbwc__copy_at(const pbwc__period *period, size_t i, const double shift[3], double *x)
 {
     const size_t dim = (size_t)period->dim;
-    const double *p = PBWC__DOUBLES(period->x) + i * dim;
+    const double *p = period->x.at + i * dim;
     size_t k;
     for (k = 0; k < dim; k++) {
         x[k] = !period->is_lattice ? p[k] + shift[k] * period->size[k]
@@ -3994,7 +3926,7 @@ static void pbwc__copy_at(const pbwc__period *period, size_t i, const double shi
 /* The shifts of point i between from and to. */
 static void pbwc__shift_range(const pbwc__period *period, size_t i, double first[3], double last[3])
 {
-    const double *p = PBWC__DOUBLES(period->x) + i * (size_t)period->dim;
+    const double *p = period->x.at + i * (size_t)period->dim;
     int k;
     for (k = 0; k < 3; k++) {
         first[k] = last[k] = 0;
@@ -4010,7 +3942,7 @@ static void pbwc__shift_range(const pbwc__period *period, size_t i, double first
 static int pbwc__is_copied(const pbwc__period *period, size_t i, const double *x)
 {
     int at[3] = { 0, 0, 0 }, k, inside = 1;
-    int near = period->thin.data != NULL && ((const unsigned char *)period->thin.data)[i] != 0;
+    int near = period->thin.at != NULL && period->thin.at[i] != 0;
     for (k = 0; k < period->dim; k++) {
         const double h = pbwc__height(period, k, x);
         at[k] = pbwc__grid_at(period, k, h);
@@ -4045,7 +3977,7 @@ static int pbwc__is_present(const pbwc__period *period, const pbwc__copy *copy, 
     }
     return (within && pbwc__is_copied(period, copy->source, x))
         || (period->searched.added.count > 0
-            && bsearch(copy, period->searched.added.data, period->searched.added.count, sizeof *copy,
+            && bsearch(copy, period->searched.added.at, period->searched.added.count, sizeof *copy,
                        pbwc__compare_copies) != NULL);
 }
 
@@ -4070,11 +4002,11 @@ static void pbwc__search_points(pbwc__ball *ball)
     double moved[3] = { 0, 0, 0 };
     pbwc__copy_at(period, 0, ball->copy.shift, moved);
     for (k = 0; k < dim; k++) {                      /* the centre, seen from the points */
-        moved[k] = ball->x[k] - (moved[k] - PBWC__DOUBLES(period->x)[k]);
+        moved[k] = ball->x[k] - (moved[k] - period->x.at[k]);
     }
     for (stack[0] = tree->level[tree->levels - 1]; depth > 0; ) {
         const size_t node = stack[--depth];
-        const double *box = PBWC__DOUBLES(tree->boxes) + 6 * node;
+        const double *box = tree->boxes.at + 6 * node;
         double square = 0;
         size_t level = 0, first, end;
         for (k = 0; k < dim; k++) {
@@ -4096,9 +4028,9 @@ static void pbwc__search_points(pbwc__ball *ball)
         }
         for (i = first; level == 0 && i < end; i++) {
             double p[3];
-            ball->copy.source = PBWC__INDICES(tree->order)[i];
+            ball->copy.source = tree->order.at[i];
             pbwc__copy_at(period, ball->copy.source, ball->copy.shift, p);
-            square = period->heaviest - PBWC__DOUBLES(period->w)[ball->copy.source];
+            square = period->heaviest - period->w.at[ball->copy.source];
             for (k = 0; k < dim; k++) {
                 square += (p[k] - ball->x[k]) * (p[k] - ball->x[k]);
             }
@@ -4189,7 +4121,7 @@ static void pbwc__certify(pbwc__period *period, const double *x, double square, 
     }
     if (period->searched.on) {
         if (!inside) {
-            pbwc__search(period, x, widest, (pbwc__found *)period->searched.found.data + which);
+            pbwc__search(period, x, widest, period->searched.found.at + which);
         }
         return;
     }
@@ -4214,7 +4146,7 @@ static void pbwc__certify_cut(const pbwc__work *work, pbw_index v)
     const size_t dim = (size_t)mesh->dim;
     size_t i, k;
     for (i = 0; i < poly->loop.count; i++) {
-        const double *d = PBWC__DOUBLES(poly->x) + 3 * PBWC__INDICES(poly->loop)[i];
+        const double *d = poly->x.at[poly->loop.at[i]];
         double x[3], square = mesh->weights != NULL ? -mesh->weights[v] : 0;
         for (k = 0; k < dim; k++) {
             x[k] = mesh->points[v * dim + k] + d[k];
@@ -4236,7 +4168,7 @@ static pbw_status pbwc__certify_simplices(void *arg, size_t from, size_t to)
         double x[3], square = mesh->weights != NULL ? -mesh->weights[corner[0]] : 0;
         int read = 0;
         for (k = 0; k <= dim; k++) {
-            read |= corner[k] < job->count && ((const unsigned char *)job->cut.data)[corner[k]] == 0;
+            read |= corner[k] < job->count && job->cut.at[corner[k]] == 0;
         }
         if (read) {
             (void)pbwc__centre_of(mesh, dim, (pbw_index)from, x);
@@ -4259,12 +4191,11 @@ static pbw_status pbwc__certify_simplices(void *arg, size_t from, size_t to)
    cuts lose digits. */
 static int pbwc__is_near(const pbwc__work *work)
 {
-    const double *x = PBWC__DOUBLES(work->cutter.poly.x);
     size_t i, k;
     int near = (work->flags & PBWC__GOOD) != 0;
     for (i = 0; i < work->cutter.poly.x.count; i++) {
         for (k = 0; k < (size_t)work->job->mesh->dim; k++) {
-            near &= fabs(x[3 * i + k]) < 4 * work->job->extent[k];
+            near &= fabs(work->cutter.poly.x.at[i][k]) < 4 * work->job->extent[k];
         }
     }
     return near;
@@ -4303,10 +4234,10 @@ static int pbwc__cell(pbwc__work *work, pbw_index v)
     }
     pbwc__set_cell(job, v, sum);
     if (job->period != NULL) {
-        ((unsigned char *)job->cut.data)[v] = 1;
+        job->cut.at[v] = 1;
         pbwc__certify_cut(work, v);
     }
-    if (facets && PBWC__INDICES(job->merged) != NULL && !pbwc__cut_exactly(work)) {
+    if (facets && job->merged.at != NULL && !pbwc__cut_exactly(work)) {
         return 0;
     }
     if (!(sum[3] > 0) || work->cutter.poly.start.count == 0) {       /* the domain at most touches the cell */
@@ -4319,14 +4250,14 @@ static int pbwc__cell(pbwc__work *work, pbw_index v)
 
 /* Ends the cells of shared vertices, and lists those left for their stars, near ones together.  Returns 0 if there is
    no memory. */
-static int pbwc__add_shares(pbwc__job *job, size_t chunks, pbwc__array *left)
+static int pbwc__add_shares(pbwc__job *job, size_t chunks, pbwc__indices *left)
 {
-    unsigned char *flags = (unsigned char *)job->states.data;
+    unsigned char *flags = job->states.at;
     size_t c, i, k;
     for (c = 0; c < chunks; c++) {
-        const pbwc__array *kept = &((const pbwc__range *)job->ranges.data)[c].shares;
+        const pbwc__shares *kept = &job->ranges.at[c].shares;
         for (i = 0; i < kept->count; i++) {
-            const pbwc__share *share = (const pbwc__share *)kept->data + i;
+            const pbwc__share *share = kept->at + i;
             const size_t v = share->vertex;
             const int more = (flags[v] & PBWC__ADDED) != 0;
             flags[v] |= (unsigned char)(share->flags | PBWC__ADDED);
@@ -4337,11 +4268,11 @@ static int pbwc__add_shares(pbwc__job *job, size_t chunks, pbwc__array *left)
         }
     }
     for (c = 0; c < chunks; c++) {
-        const pbwc__array *kept = &((const pbwc__range *)job->ranges.data)[c].shares;
+        const pbwc__shares *kept = &job->ranges.at[c].shares;
         for (i = 0; i < kept->count; i++) {
-            const size_t v = ((const pbwc__share *)kept->data)[i].vertex;
+            const size_t v = kept->at[i].vertex;
             if ((flags[v] & (PBWC__LISTED | PBWC__LEFT)) == PBWC__LEFT) {
-                if (!pbwc__push(&job->memory, left, (pbw_index)v)) {
+                if (!PBW_PUSH(&job->memory, *left, (pbw_index)v)) {
                     return 0;
                 }
             } else if ((flags[v] & PBWC__LISTED) == 0) {
@@ -4364,7 +4295,7 @@ static pbw_status pbwc__left_cells(void *arg, size_t from, size_t to)
     int good = pbwc__work_start(&work, job);
     size_t i;
     for (i = from; good && i < to; i++) {
-        good = pbwc__cell(&work, PBWC__INDICES(job->left)[i]);
+        good = pbwc__cell(&work, job->left.at[i]);
     }
     pbwc__work_end(&work);
     return good ? PBW_OK : PBW_ERROR_MEMORY;
@@ -4375,12 +4306,9 @@ static pbw_status pbwc__add_all(pbwc__job *job, size_t chunks)
 {
     const pbw_options *options = &job->options;
     pbw_status status = pbw_for(options, job->mesh->simplex_count, PBWC__CHUNK, pbwc__add_chunk, job);
-    if (status == PBW_OK && !pbwc__resize(&job->memory, &job->states, job->count + 1)) {
-        status = PBW_ERROR_MEMORY;
-    }
     if (status == PBW_OK) {
-        memset(job->states.data, 0, job->states.bytes);
-        status = pbwc__add_shares(job, chunks, &job->left) ? PBW_OK : PBW_ERROR_MEMORY;
+        status = PBW_ZEROS(&job->memory, job->states, job->count) && pbwc__add_shares(job, chunks, &job->left)
+               ? PBW_OK : PBW_ERROR_MEMORY;
     }
     return status == PBW_OK ? pbw_for(options, job->left.count, PBWC__LEFTS, pbwc__left_cells, job) : status;
 }
@@ -4395,9 +4323,9 @@ static pbw_status pbwc__count_cell(pbwc__work *work, pbw_index v)
                             : pbwc__cell(work, v) ? PBW_OK : PBW_ERROR_MEMORY;
     job->first[v + 1] = out->neighbors.count - facets;
     if ((job->what & PBW_CELLS_SHAPES) != 0) {
-        ((size_t *)job->entries.data)[v + 1] = out->loops.count - entries;
+        job->entries.at[v + 1] = out->loops.count - entries;
     }
-    return status == PBW_OK && !pbwc__push(work->memory, &out->cells, v) ? PBW_ERROR_MEMORY : status;
+    return status == PBW_OK && !PBW_PUSH(work->memory, out->cells, v) ? PBW_ERROR_MEMORY : status;
 }
 
 /* Makes the cells of the points with their incident simplex in the range: these are close together, however points
@@ -4409,11 +4337,11 @@ static pbw_status pbwc__cells_range(void *arg, size_t from, size_t to)
     pbwc__work work;
     size_t i, k;
     pbw_status status = pbwc__work_start(&work, job) ? PBW_OK : PBW_ERROR_MEMORY;
-    work.out = (pbwc__range *)job->ranges.data + from / PBWC__CHUNK;
+    work.out = job->ranges.at + from / PBWC__CHUNK;
     for (i = from; status == PBW_OK && i < to; i++) {
         if (job->vertices != NULL) {                 /* its centre, which is kept or soon needed */
             const double origin[3] = { 0, 0, 0 };
-            (void)pbwc__from_site(job, work.centres, corners - 1, origin, (pbw_index)i,
+            (void)pbwc__from_site(job, work.centres.at, corners - 1, origin, (pbw_index)i,
                                   job->vertices + i * (corners - 1));
         }
         for (k = 0; k < corners; k++) {
@@ -4440,13 +4368,13 @@ typedef struct pbwc__joining {
 static void pbwc__join_loops(const pbwc__joining *joining, size_t r, pbw_index v, size_t facet, size_t at)
 {
     const pbwc__job *job = joining->job;
-    const pbwc__range *range = (const pbwc__range *)job->ranges.data + r;
+    const pbwc__range *range = job->ranges.at + r;
     const size_t dim = (size_t)job->mesh->dim, simplices = job->mesh->simplex_count;
-    const pbw_index *counts = PBWC__INDICES(range->loop_counts), *from = PBWC__INDICES(range->loops);
+    const pbw_index *counts = range->loop_counts.at, *from = range->loops.at;
     const pbw_index vertices = (pbw_index)(joining->vertices[r] / dim - simplices);
     const pbw_index rays = (pbw_index)(joining->rays[r] / dim);
     const pbw_index ray = PBW_NONE - (pbw_index)(range->rays.count / dim);
-    const size_t begin = ((const size_t *)job->entries.data)[v], end = ((const size_t *)job->entries.data)[v + 1];
+    const size_t begin = job->entries.at[v], end = job->entries.at[v + 1];
     size_t i, entry = begin;
     for (i = job->first[v]; i < job->first[v + 1]; i++) {
         joining->loop_first[i] = entry;
@@ -4464,51 +4392,58 @@ static pbw_status pbwc__join(void *arg, size_t from, size_t to)
     const pbwc__job *job = joining->job;
     size_t r, i;
     for (r = from; r < to; r++) {
-        const pbwc__range *range = (const pbwc__range *)job->ranges.data + r;
+        const pbwc__range *range = job->ranges.at + r;
         size_t facet = 0, entry = 0;
         for (i = 0; i < range->cells.count; i++) {
-            const pbw_index v = PBWC__INDICES(range->cells)[i];
+            const pbw_index v = range->cells.at[i];
             const size_t first = job->first[v], count = job->first[v + 1] - first;
             if (count > 0) {
-                memcpy(joining->neighbors + first, PBWC__INDICES(range->neighbors) + facet,
+                memcpy(joining->neighbors + first, range->neighbors.at + facet,
                        count * sizeof(pbw_index));
-                memcpy(joining->areas + first, PBWC__DOUBLES(range->areas) + facet, count * sizeof(double));
+                memcpy(joining->areas + first, range->areas.at + facet, count * sizeof(double));
             }
             if (joining->loops != NULL) {
-                const size_t *entries = (const size_t *)job->entries.data + v;
+                const size_t *entries = job->entries.at + v;
                 pbwc__join_loops(joining, r, v, facet, entry);
                 entry += entries[1] - entries[0];
             }
             facet += count;
         }
         if (range->vertices.count > 0) {
-            memcpy(joining->all_vertices + joining->vertices[r], range->vertices.data,
+            memcpy(joining->all_vertices + joining->vertices[r], range->vertices.at,
                    range->vertices.count * sizeof(double));
         }
         if (range->rays.count > 0) {
-            memcpy(joining->all_rays + joining->rays[r], range->rays.data, range->rays.count * sizeof(double));
+            memcpy(joining->all_rays + joining->rays[r], range->rays.at, range->rays.count * sizeof(double));
         }
     }
     return PBW_OK;
 }
 
 /* What pbw_cells.memory points at. */
-enum { PBWC__VOLUMES, PBWC__CENTROIDS, PBWC__FIRST, PBWC__NEIGHBORS, PBWC__SHIFTS, PBWC__SITES, PBWC__AREAS,
-       PBWC__VERTICES, PBWC__LOOP_FIRST, PBWC__LOOPS, PBWC__RAYS, PBWC__ARRAYS };
 typedef struct pbwc__owned {
     pbw_memory memory;
-    pbwc__array array[PBWC__ARRAYS];
+    pbwc__doubles volumes, centroids, sites, areas, vertices, rays;
+    pbwc__sizes first, loop_first;
+    pbwc__indices neighbors, loops;
+    PBW_ARRAY(signed char) shifts;
 } pbwc__owned;
 
 static void pbwc__drop(pbw_memory *memory, pbw_cells *cells)
 {
-    pbwc__owned *owned = (pbwc__owned *)cells->memory;
-    pbwc__array self = { owned, 0, sizeof *owned };
-    int i;
-    for (i = 0; i < PBWC__ARRAYS; i++) {
-        pbwc__release(memory, owned->array + i);
-    }
-    pbwc__release(memory, &self);
+    pbwc__owned *own = (pbwc__owned *)cells->memory;
+    PBW_RELEASE(memory, own->volumes);
+    PBW_RELEASE(memory, own->centroids);
+    PBW_RELEASE(memory, own->sites);
+    PBW_RELEASE(memory, own->areas);
+    PBW_RELEASE(memory, own->vertices);
+    PBW_RELEASE(memory, own->rays);
+    PBW_RELEASE(memory, own->first);
+    PBW_RELEASE(memory, own->loop_first);
+    PBW_RELEASE(memory, own->neighbors);
+    PBW_RELEASE(memory, own->loops);
+    PBW_RELEASE(memory, own->shifts);
+    (void)pbw_memory_resize(memory, own, 1, 0, sizeof *own);
     memset(cells, 0, sizeof *cells);
 }
 
@@ -4520,13 +4455,6 @@ PBWCELLSDEF void pbw_cells_free(pbw_cells *cells)
     }
 }
 
-/* An array of the result; at least one byte, so that NULL means: no memory. */
-static void *pbwc__own(pbwc__job *job, int which, size_t count, size_t size)
-{
-    pbwc__owned *owned = (pbwc__owned *)job->cells->memory;
-    return pbwc__resize(&job->memory, owned->array + which, count * size + 1) ? owned->array[which].data : NULL;
-}
-
 static void pbwc__place_ranges(pbwc__joining *joining, size_t ranges, size_t *sums)
 {
     const pbwc__job *job = joining->job;
@@ -4534,7 +4462,7 @@ static void pbwc__place_ranges(pbwc__joining *joining, size_t ranges, size_t *su
     sums[0] = sums[1] = sums[3] = 0;
     sums[2] = (job->what & PBW_CELLS_SHAPES) != 0 ? job->mesh->simplex_count * (size_t)job->mesh->dim : 0;
     for (r = 0; r < ranges; r++) {
-        const pbwc__range *range = (const pbwc__range *)job->ranges.data + r;
+        const pbwc__range *range = job->ranges.at + r;
         joining->vertices[r] = sums[2];
         joining->rays[r] = sums[3];
         sums[0] += range->neighbors.count;
@@ -4550,44 +4478,42 @@ static pbw_status pbwc__join_all(pbwc__job *job, size_t ranges)
     const size_t dim = (size_t)job->mesh->dim;
     const int shapes = (job->what & PBW_CELLS_SHAPES) != 0;
     pbw_cells *cells = job->cells;
-    pbwc__array places;
+    pbwc__owned *own = (pbwc__owned *)cells->memory;
+    pbw_memory *memory = &job->memory;
+    pbwc__sizes places;
     pbwc__joining joining;
     size_t sums[4], v;
     pbw_status status = PBW_OK;
     memset(&places, 0, sizeof places);
     memset(&joining, 0, sizeof joining);
-    if (!pbwc__resize(&job->memory, &places, (2 * ranges + 1) * sizeof(size_t))) {
+    if (!PBW_FIT(memory, places, 2 * ranges + 1)) {
         return PBW_ERROR_MEMORY;
     }
     joining.job = job;
-    joining.vertices = (size_t *)places.data;
+    joining.vertices = places.at;
     joining.rays = joining.vertices + ranges;
     pbwc__place_ranges(&joining, ranges, sums);
-    cells->neighbors = joining.neighbors = (pbw_index *)pbwc__own(job, PBWC__NEIGHBORS, sums[0], sizeof(pbw_index));
-    cells->areas = joining.areas = (double *)pbwc__own(job, PBWC__AREAS, sums[0], sizeof(double));
-    if (shapes) {
-        joining.loop_first = (size_t *)pbwc__own(job, PBWC__LOOP_FIRST, sums[0] + 1, sizeof(size_t));
-        cells->loop_first = joining.loop_first;
-        cells->loops = joining.loops = (pbw_index *)pbwc__own(job, PBWC__LOOPS, sums[1], sizeof(pbw_index));
-        joining.all_vertices = sums[2] == dim * job->mesh->simplex_count ? job->vertices
-                             : (double *)pbwc__own(job, PBWC__VERTICES, sums[2], sizeof(double));
-        cells->vertices = joining.all_vertices;
-        cells->rays = joining.all_rays = (double *)pbwc__own(job, PBWC__RAYS, sums[3], sizeof(double));
-    }
-    if (joining.neighbors == NULL || joining.areas == NULL
-        || (shapes && (joining.loop_first == NULL || joining.loops == NULL || joining.all_vertices == NULL
-                       || joining.all_rays == NULL))) {
+    if (!PBW_FIT(memory, own->neighbors, sums[0] + 1) || !PBW_FIT(memory, own->areas, sums[0] + 1)
+        || (shapes
+            && (!PBW_FIT(memory, own->loop_first, sums[0] + 1) || !PBW_FIT(memory, own->loops, sums[1] + 1)
+                || !PBW_FIT(memory, own->vertices, sums[2] + 1) || !PBW_FIT(memory, own->rays, sums[3] + 1)))) {
         status = PBW_ERROR_MEMORY;
     } else if (sums[2] / dim + sums[3] / dim >= PBW_NONE) {
         status = PBW_ERROR_TOO_LARGE;
     }
+    cells->neighbors = joining.neighbors = own->neighbors.at;
+    cells->areas = joining.areas = own->areas.at;
+    cells->loop_first = joining.loop_first = own->loop_first.at;
+    cells->loops = joining.loops = own->loops.at;
+    cells->vertices = joining.all_vertices = own->vertices.at;
+    cells->rays = joining.all_rays = own->rays.at;
     if (status == PBW_OK && shapes) {
         joining.loop_first[sums[0]] = sums[1];
     }
     for (v = 0; v < cells->cell_count; v++) {
         job->first[v + 1] += job->first[v];
         if (shapes) {
-            ((size_t *)job->entries.data)[v + 1] += ((size_t *)job->entries.data)[v];
+            job->entries.at[v + 1] += job->entries.at[v];
         }
     }
     if (status == PBW_OK) {
@@ -4596,7 +4522,7 @@ static pbw_status pbwc__join_all(pbwc__job *job, size_t ranges)
     cells->facet_count = sums[0];
     cells->vertex_count = sums[2] / dim;
     cells->ray_count = sums[3] / dim;
-    pbwc__release(&job->memory, &places);
+    PBW_RELEASE(memory, places);
     return status;
 }
 
@@ -4649,21 +4575,20 @@ static pbw_status pbwc__merge(pbwc__job *job)
 {
     const pbw_mesh *mesh = job->mesh;
     const size_t count = mesh->simplex_count, corners = (size_t)mesh->dim + 1;
-    pbwc__array tied;
+    pbwc__bytes tied;
     pbwc__ties ties;
     pbw_index *merged;
     size_t s, i;
     pbw_status status;
     memset(&tied, 0, sizeof tied);
-    if (!pbwc__resize(&job->memory, &job->merged, (count + 1) * sizeof(pbw_index))
-        || !pbwc__resize(&job->memory, &tied, count + 1)) {
-        pbwc__release(&job->memory, &tied);
+    if (!PBW_FIT(&job->memory, job->merged, count + 1) || !PBW_FIT(&job->memory, tied, count + 1)) {
+        PBW_RELEASE(&job->memory, tied);
         return PBW_ERROR_MEMORY;
     }
     ties.mesh = mesh;
-    ties.tied = (unsigned char *)tied.data;
+    ties.tied = tied.at;
     status = pbw_for(&job->options, count, 4096, pbwc__find_ties, &ties);
-    merged = PBWC__INDICES(job->merged);
+    merged = job->merged.at;
     for (s = 0; s < count; s++) {
         merged[s] = (pbw_index)s;
     }
@@ -4679,7 +4604,7 @@ static pbw_status pbwc__merge(pbwc__job *job)
     for (s = 0; s < count; s++) {
         merged[s] = pbwc__root(merged, (pbw_index)s);
     }
-    pbwc__release(&job->memory, &tied);
+    PBW_RELEASE(&job->memory, tied);
     return status;
 }
 
@@ -4714,14 +4639,14 @@ static int pbwc__bounds(const pbwc__job *job, double *low, double *high)
     size_t i, k;
     int walls = 0;
     for (i = 0; i < job->domain.loop.count; i++) {
-        const double *x = PBWC__DOUBLES(job->domain.x) + 3 * PBWC__INDICES(job->domain.loop)[i];
+        const double *x = job->domain.x.at[job->domain.loop.at[i]];
         for (k = 0; k < dim; k++) {
             low[k] = i == 0 || x[k] < low[k] ? x[k] : low[k];
             high[k] = i == 0 || x[k] > high[k] ? x[k] : high[k];
         }
     }
     for (i = 0; i < job->domain.name.count; i++) {
-        walls |= PBWC__INDICES(job->domain.name)[i] > PBW_NONE - 1 - 2 * dim;
+        walls |= job->domain.name.at[i] > PBW_NONE - 1 - 2 * dim;
     }
     return walls;
 }
@@ -4843,7 +4768,7 @@ static void pbwc__surround(const pbwc__job *job, double *low, double *high)
         low[k] = high[k] = job->mesh->points[k];
         for (i = k; i < count + corners; i += dim) {
             const double x = i < count ? job->mesh->points[i]
-                           : job->clip != NULL ? PBWC__CORNERS(job->clip)[i - count] : job->from[k];
+                           : job->clip != NULL ? job->clip->x.at[i - count] : job->from[k];
             low[k] = x < low[k] ? x : low[k];
             high[k] = x > high[k] ? x : high[k];
         }
@@ -4859,28 +4784,27 @@ static pbw_status pbwc__span(pbwc__job *job)
     const pbw_mesh *mesh = job->mesh;
     const size_t dim = (size_t)mesh->dim, count = mesh->point_count, total = count + dim + 1;
     double low[3], high[3], least = 0;
-    pbwc__array x, w;
+    pbwc__doubles x, w;
     size_t i;
     pbw_status status = PBW_ERROR_MEMORY;
     memset(&x, 0, sizeof x);
     memset(&w, 0, sizeof w);
-    if (pbwc__resize(&job->memory, &x, total * dim * sizeof(double))
-        && pbwc__resize(&job->memory, &w, total * sizeof(double))) {
+    if (PBW_FIT(&job->memory, x, total * dim) && PBW_FIT(&job->memory, w, total)) {
         pbwc__surround(job, low, high);
-        memcpy(x.data, mesh->points, count * dim * sizeof(double));
+        memcpy(x.at, mesh->points, count * dim * sizeof(double));
         for (i = 0; i < count; i++) {
-            PBWC__DOUBLES(w)[i] = pbwc__weight(mesh, (pbw_index)i);
-            least = i == 0 || PBWC__DOUBLES(w)[i] < least ? PBWC__DOUBLES(w)[i] : least;
+            w.at[i] = pbwc__weight(mesh, (pbw_index)i);
+            least = i == 0 || w.at[i] < least ? w.at[i] : least;
         }
         for (i = 0; i <= dim; i++) {
-            pbwc__apex((int)dim, (int)i, low, high, PBWC__DOUBLES(x) + (count + i) * dim);
-            PBWC__DOUBLES(w)[count + i] = least;
+            pbwc__apex((int)dim, (int)i, low, high, x.at + (count + i) * dim);
+            w.at[count + i] = least;
         }
-        status = pbw_triangulate((int)dim, PBWC__DOUBLES(x), mesh->weights != NULL ? PBWC__DOUBLES(w) : NULL, total,
+        status = pbw_triangulate((int)dim, x.at, mesh->weights != NULL ? w.at : NULL, total,
                                  &job->options, &job->spanned);
     }
-    pbwc__release(&job->memory, &x);
-    pbwc__release(&job->memory, &w);
+    PBW_RELEASE(&job->memory, x);
+    PBW_RELEASE(&job->memory, w);
     job->mesh = status == PBW_OK ? &job->spanned : mesh;
     return status;
 }
@@ -4897,11 +4821,11 @@ static pbw_status pbwc__no_cells(void *arg, size_t from, size_t to)
     memset(job->volumes + from, 0, (to - from) * sizeof(double));
     memcpy(job->centroids + from * dim, job->mesh->points + from * dim, (to - from) * dim * sizeof(double));
     memset(job->first + from + 1, 0, (to - from) * sizeof(size_t));
-    if (job->entries.data != NULL) {
-        memset((size_t *)job->entries.data + from + 1, 0, (to - from) * sizeof(size_t));
+    if (job->entries.at != NULL) {
+        memset(job->entries.at + from + 1, 0, (to - from) * sizeof(size_t));
     }
-    if (job->cut.data != NULL) {
-        memset((unsigned char *)job->cut.data + from, 0, to - from);
+    if (job->cut.at != NULL) {
+        memset(job->cut.at + from, 0, to - from);
     }
     return PBW_OK;
 }
@@ -4910,48 +4834,42 @@ static pbw_status pbwc__no_cells(void *arg, size_t from, size_t to)
 static pbw_status pbwc__start_cells(pbwc__job *job, size_t ranges)
 {
     const size_t count = job->cells->cell_count, dim = (size_t)job->mesh->dim;
-    job->volumes = (double *)pbwc__own(job, PBWC__VOLUMES, count, sizeof(double));
-    job->centroids = (double *)pbwc__own(job, PBWC__CENTROIDS, count * dim, sizeof(double));
-    job->first = (size_t *)pbwc__own(job, PBWC__FIRST, count + 1, sizeof(size_t));
-    job->cells->volumes = job->volumes;
-    job->cells->centroids = job->centroids;
-    job->cells->first = job->first;
-    if (job->volumes == NULL || job->centroids == NULL || job->first == NULL
-        || !pbwc__resize(&job->memory, &job->ranges, (ranges + 1) * sizeof(pbwc__range))) {
+    const int shapes = (job->what & PBW_CELLS_SHAPES) != 0;
+    pbwc__owned *own = (pbwc__owned *)job->cells->memory;
+    pbw_memory *memory = &job->memory;
+    if (!PBW_FIT(memory, own->volumes, count + 1) || !PBW_FIT(memory, own->centroids, count * dim + 1)
+        || !PBW_FIT(memory, own->first, count + 1) || !PBW_ZEROS(memory, job->ranges, ranges)
+        || (shapes && (!PBW_FIT(memory, own->vertices, job->mesh->simplex_count * dim + 1)
+                       || !PBW_FIT(memory, job->entries, count + 1)))
+        || (job->period != NULL && !PBW_FIT(memory, job->cut, count + 1))) {
         return PBW_ERROR_MEMORY;
     }
-    memset(job->ranges.data, 0, job->ranges.bytes);
-    if ((job->what & PBW_CELLS_SHAPES) != 0) {
-        job->vertices = (double *)pbwc__own(job, PBWC__VERTICES, job->mesh->simplex_count * dim, sizeof(double));
-        if (job->vertices == NULL || !pbwc__resize(&job->memory, &job->entries, (count + 1) * sizeof(size_t))) {
-            return PBW_ERROR_MEMORY;
-        }
-    }
-    if (job->period != NULL && !pbwc__resize(&job->memory, &job->cut, count + 1)) {
-        return PBW_ERROR_MEMORY;
-    }
+    job->cells->volumes = job->volumes = own->volumes.at;
+    job->cells->centroids = job->centroids = own->centroids.at;
+    job->cells->first = job->first = own->first.at;
+    job->vertices = own->vertices.at;
     job->first[0] = 0;
-    if (job->entries.data != NULL) {
-        ((size_t *)job->entries.data)[0] = 0;
+    if (job->entries.at != NULL) {
+        job->entries.at[0] = 0;
     }
     return pbw_for(&job->options, count, PBWC__CHUNK, pbwc__no_cells, job);
 }
 
-static void pbwc__release_ranges(pbwc__job *job, size_t ranges)
+static void pbwc__release_ranges(pbwc__job *job)
 {
     size_t r;
-    for (r = 0; r < ranges && job->ranges.data != NULL; r++) {
-        pbwc__range *range = (pbwc__range *)job->ranges.data + r;
-        pbwc__release(&job->memory, &range->cells);
-        pbwc__release(&job->memory, &range->shares);
-        pbwc__release(&job->memory, &range->neighbors);
-        pbwc__release(&job->memory, &range->areas);
-        pbwc__release(&job->memory, &range->loop_counts);
-        pbwc__release(&job->memory, &range->loops);
-        pbwc__release(&job->memory, &range->vertices);
-        pbwc__release(&job->memory, &range->rays);
+    for (r = 0; r < job->ranges.count; r++) {
+        pbwc__range *range = job->ranges.at + r;
+        PBW_RELEASE(&job->memory, range->cells);
+        PBW_RELEASE(&job->memory, range->shares);
+        PBW_RELEASE(&job->memory, range->neighbors);
+        PBW_RELEASE(&job->memory, range->areas);
+        PBW_RELEASE(&job->memory, range->loop_counts);
+        PBW_RELEASE(&job->memory, range->loops);
+        PBW_RELEASE(&job->memory, range->vertices);
+        PBW_RELEASE(&job->memory, range->rays);
     }
-    pbwc__release(&job->memory, &job->ranges);
+    PBW_RELEASE(&job->memory, job->ranges);
 }
 
 static pbw_status pbwc__compute(pbwc__job *job, const pbw_domain *domain)
@@ -4981,7 +4899,7 @@ static pbw_status pbwc__compute(pbwc__job *job, const pbw_domain *domain)
     if (status == PBW_OK && (job->what & PBW_CELLS_FACETS) != 0) {
         status = pbwc__join_all(job, ranges);
     }
-    pbwc__release_ranges(job, ranges);
+    pbwc__release_ranges(job);
     return status;
 }
 
@@ -5009,31 +4927,30 @@ static void pbwc__job_start(pbwc__job *job, unsigned what, const pbw_options *op
 static pbw_status pbwc__run(pbwc__job *job, const pbw_domain *domain)
 {
     pbw_cells *cells = job->cells;
-    pbwc__array self;
+    pbwc__owned *own = (pbwc__owned *)pbw_memory_resize(&job->memory, NULL, 0, 1, sizeof *own);
     pbw_status status;
-    memset(&self, 0, sizeof self);
-    if (!pbwc__resize(&job->memory, &self, sizeof(pbwc__owned))) {
+    if (own == NULL) {
         return PBW_ERROR_MEMORY;
     }
-    memset(self.data, 0, self.bytes);
+    memset(own, 0, sizeof *own);
     cells->dim = job->mesh->dim;
     cells->cell_count = job->count;
-    cells->memory = self.data;
+    cells->memory = own;
     status = pbwc__compute(job, domain);
     if (status == PBW_OK && (job->what & PBW_CELLS_FACETS) == 0) {
-        pbwc__release(&job->memory, ((pbwc__owned *)cells->memory)->array + PBWC__FIRST);
+        PBW_RELEASE(&job->memory, own->first);
         cells->first = NULL;
     }
     pbwc__poly_release(&job->memory, &job->domain);
-    pbwc__release(&job->memory, &job->merged);
-    pbwc__release(&job->memory, &job->entries);
-    pbwc__release(&job->memory, &job->cut);
-    pbwc__release(&job->memory, &job->states);
-    pbwc__release(&job->memory, &job->left);
+    PBW_RELEASE(&job->memory, job->merged);
+    PBW_RELEASE(&job->memory, job->entries);
+    PBW_RELEASE(&job->memory, job->cut);
+    PBW_RELEASE(&job->memory, job->states);
+    PBW_RELEASE(&job->memory, job->left);
     if (job->clip != NULL) {
         pbwc__end_clip(job);
     }
-    ((pbwc__owned *)cells->memory)->memory = job->memory;
+    own->memory = job->memory;
     if (status != PBW_OK) {
         pbwc__drop(&job->memory, job->cells);
     }
@@ -5103,7 +5020,7 @@ static void pbwc__snap_to_lattice(const pbwc__period *period, double *x)
 static pbw_status pbwc__snap(pbwc__period *period, const double *points, const double *weights, const double *box)
 {
     const size_t dim = (size_t)period->dim;
-    double *x = PBWC__DOUBLES(period->x), *w = PBWC__DOUBLES(period->w);
+    double *x = period->x.at, *w = period->w.at;
     size_t i, k;
     for (i = 0; i < period->count * dim; i++) {
         k = i % dim;
@@ -5211,8 +5128,7 @@ static pbw_status pbwc__bound_cell(pbwc__period *period)
     }
     for (l = 0; l < cutter.poly.loop.count && good; l++) {
         for (k = 0; k < dim; k++) {
-            bound[k] = fmax(bound[k], fabs(PBWC__DOUBLES(cutter.poly.x)[3 * PBWC__INDICES(cutter.poly.loop)[l]
-                                                                        + (size_t)k]));
+            bound[k] = fmax(bound[k], fabs(cutter.poly.x.at[cutter.poly.loop.at[l]][k]));
         }
     }
     for (k = 0; k < dim; k++) {
@@ -5350,11 +5266,8 @@ static pbw_status pbwc__reach(pbwc__period *period)
             return PBW_ERROR_ARGUMENT;               /* copies would not be exact */
         }
     }
-    if (!pbwc__resize(period->memory, &period->marks, (size_t)PBWC__GRID * PBWC__GRID * PBWC__GRID)) {
-        return PBW_ERROR_MEMORY;
-    }
-    memset(period->marks.data, 0, period->marks.bytes);
-    return PBW_OK;
+    return PBW_ZEROS(period->memory, period->marks, (size_t)PBWC__GRID * PBWC__GRID * PBWC__GRID) ? PBW_OK
+           : PBW_ERROR_MEMORY;
 }
 
 /* ------------------------------------------------------------------------------------------------------
@@ -5366,7 +5279,7 @@ static void pbwc__extent(pbwc__period *period)
 {
     int at[3], k;
     for (k = 0; k < period->dim; k++) {
-        const double half = period->thin.data != NULL ? 0.5 * period->size[k] : 0;
+        const double half = period->thin.at != NULL ? 0.5 * period->size[k] : 0;
         period->from[k] = half > period->margin[k] ? -half : -period->margin[k];
         period->to[k] = period->size[k] - period->from[k];
     }
@@ -5390,23 +5303,20 @@ static void pbwc__extent(pbwc__period *period)
 static int pbwc__add_copy(pbwc__period *period, const double *x, double weight, pbw_index source)
 {
     const size_t dim = (size_t)period->dim;
-    double *place, *w;
     period->x.count = period->total * dim;
     period->w.count = period->total;
-    place = (double *)pbwc__room(period->memory, &period->x, dim, sizeof(double));
-    w = (double *)pbwc__room(period->memory, &period->w, 1, sizeof(double));
-    if (place == NULL || w == NULL || !pbwc__push(period->memory, &period->source, source)) {
+    if (!PBW_RESERVE(period->memory, period->x, dim) || !PBW_PUSH(period->memory, period->w, weight)
+        || !PBW_PUSH(period->memory, period->source, source)) {
         return 0;
     }
-    memcpy(place, x, dim * sizeof(double));
-    *w = weight;
+    memcpy(period->x.at + period->x.count, x, dim * sizeof(double));
     period->total++;
     return 1;
 }
 
 static int pbwc__add_copies(pbwc__period *period, size_t i)
 {
-    const double weight = PBWC__DOUBLES(period->w)[i];
+    const double weight = period->w.at[i];
     double x[3], first[3], last[3], shift[3];
     pbwc__shift_range(period, i, first, last);
     for (shift[2] = first[2]; shift[2] <= last[2]; shift[2]++) {
@@ -5442,9 +5352,9 @@ static pbw_status pbwc__copies(pbwc__period *period)
         }
     }
     for (i = 0; i < period->searched.added.count; i++) {
-        const pbwc__copy *copy = (const pbwc__copy *)period->searched.added.data + i;
+        const pbwc__copy *copy = period->searched.added.at + i;
         pbwc__copy_at(period, copy->source, copy->shift, x);
-        if (!pbwc__add_copy(period, x, PBWC__DOUBLES(period->w)[copy->source], copy->source)) {
+        if (!pbwc__add_copy(period, x, period->w.at[copy->source], copy->source)) {
             return PBW_ERROR_MEMORY;
         }
     }
@@ -5468,25 +5378,22 @@ static pbw_status pbwc__choose_thin(pbwc__period *period, double share)
     const double least = pow((double)period->count / 8, 1.0 / (double)dim), most = dim == 3 ? 16 : 64;
     const size_t side = (size_t)(least < most ? least : most);
     unsigned char *thin;
-    pbwc__array taken;
+    pbwc__bytes taken;
     size_t i, k, chosen = 0;
     memset(&taken, 0, sizeof taken);
-    if (!pbwc__resize(period->memory, &taken, side * side * (dim == 3 ? side : 1))) {
+    if (!PBW_ZEROS(period->memory, taken, side * side * (dim == 3 ? side : 1))
+        || !PBW_FIT(period->memory, period->thin, period->count)) {
+        PBW_RELEASE(period->memory, taken);
         return PBW_ERROR_MEMORY;
     }
-    memset(taken.data, 0, taken.bytes);
-    if (!pbwc__resize(period->memory, &period->thin, period->count)) {
-        pbwc__release(period->memory, &taken);
-        return PBW_ERROR_MEMORY;
-    }
-    thin = (unsigned char *)period->thin.data;
+    thin = period->thin.at;
     for (i = 0; i < period->count; i++) {
-        unsigned char *slot = (unsigned char *)taken.data;
+        unsigned char *slot = taken.at;
         size_t at = 0;
         for (k = 0; k < dim; k++) {
             const double low = (period->axes >> k & 1) != 0 ? 0 : period->low[k];
             const double high = (period->axes >> k & 1) != 0 ? period->size[k] : period->high[k];
-            const double h = pbwc__height(period, (int)k, PBWC__DOUBLES(period->x) + i * dim);
+            const double h = pbwc__height(period, (int)k, period->x.at + i * dim);
             const double place = (h - low) / (high - low) * (double)side;
             at = at * side + (!(place > 0) ? 0 : place >= (double)side ? side - 1 : (size_t)place);
         }
@@ -5494,11 +5401,11 @@ static pbw_status pbwc__choose_thin(pbwc__period *period, double share)
         chosen += slot[at] == 0;
         slot[at] = 1;
     }
-    if ((double)chosen > share * (double)taken.bytes) {
-        pbwc__release(period->memory, &period->thin);
+    if ((double)chosen > share * (double)taken.count) {
+        PBW_RELEASE(period->memory, period->thin);
     }
-    memset(period->marks.data, 0, period->marks.bytes);
-    pbwc__release(period->memory, &taken);
+    memset(period->marks.at, 0, period->marks.count);
+    PBW_RELEASE(period->memory, taken);
     return PBW_OK;
 }
 
@@ -5529,35 +5436,32 @@ static pbw_status pbwc__unwrap(pbwc__job *job, const double *box)
 {
     const pbwc__period *period = job->period;
     const size_t dim = (size_t)period->dim, facets = job->cells->facet_count;
-    pbwc__owned *owned = (pbwc__owned *)job->cells->memory;
-    pbw_index *neighbors = PBWC__INDICES(owned->array[PBWC__NEIGHBORS]);
-    double *vertices = PBWC__DOUBLES(owned->array[PBWC__VERTICES]);
-    const double *x = PBWC__DOUBLES(period->x);
-    double *sites = (double *)pbwc__own(job, PBWC__SITES, period->count * dim, sizeof(double));
+    pbwc__owned *own = (pbwc__owned *)job->cells->memory;
+    pbw_index *neighbors = own->neighbors.at;
+    const double *x = period->x.at;
     size_t i, k;
-    job->cells->sites = sites;
-    if (sites == NULL) {
+    if (!PBW_FIT(&job->memory, own->sites, period->count * dim + 1)) {
         return PBW_ERROR_MEMORY;
     }
+    job->cells->sites = own->sites.at;
     for (i = 0; i < period->count * dim; i++) {
         const double low = !period->is_lattice && (period->axes >> i % dim & 1) != 0 ? box[i % dim] : 0;
         job->centroids[i] += low;
-        sites[i] = x[i] + low;
+        own->sites.at[i] = x[i] + low;
     }
     for (i = 0; i < job->cells->vertex_count * dim; i++) {
-        vertices[i] += !period->is_lattice && (period->axes >> i % dim & 1) != 0 ? box[i % dim] : 0;
+        own->vertices.at[i] += !period->is_lattice && (period->axes >> i % dim & 1) != 0 ? box[i % dim] : 0;
     }
     if ((job->what & PBW_CELLS_FACETS) != 0) {
-        signed char *shifts = (signed char *)pbwc__own(job, PBWC__SHIFTS, facets * dim, 1);
-        job->cells->shifts = shifts;
-        if (shifts == NULL) {
+        signed char *shifts;
+        if (!PBW_ZEROS(&job->memory, own->shifts, facets * dim)) {
             return PBW_ERROR_MEMORY;
         }
-        memset(shifts, 0, facets * dim);
+        job->cells->shifts = shifts = own->shifts.at;
         for (i = 0; i < facets; i++) {
             const size_t copy = neighbors[i];
             if (copy >= period->count && copy < period->total) {
-                neighbors[i] = PBWC__INDICES(period->source)[copy - period->count];
+                neighbors[i] = period->source.at[copy - period->count];
                 if (period->is_lattice
                     && !pbwc__shifts_of(period, x + copy * dim, x + neighbors[i] * dim, shifts + i * dim)) {
                     return PBW_ERROR_ARGUMENT;
@@ -5618,7 +5522,7 @@ static void pbwc__set_frame(pbwc__period *period)
         for (k = 0; k < dim; k++) {
             double along = 0;
             for (c = 0; c < dim; c++) {
-                along += tree->frame[k][c] * PBWC__DOUBLES(period->x)[i * (size_t)dim + (size_t)c];
+                along += tree->frame[k][c] * period->x.at[i * (size_t)dim + (size_t)c];
             }
             tree->low[k] = along < tree->low[k] ? along : tree->low[k];
             tree->high[k] = along > tree->high[k] ? along : tree->high[k];
@@ -5639,22 +5543,21 @@ static pbw_status pbwc__build_tree(pbwc__period *period, const pbw_options *opti
         total += count;
     }
     tree->level[tree->levels] = total;
-    if (!pbwc__resize(period->memory, &tree->order, period->count * sizeof(pbw_index))
-        || !pbwc__resize(period->memory, &tree->boxes, total * 6 * sizeof(double))) {
+    if (!PBW_FIT(period->memory, tree->order, period->count) || !PBW_FIT(period->memory, tree->boxes, total * 6)) {
         return PBW_ERROR_MEMORY;
     }
-    status = pbw_order(period->dim, PBWC__DOUBLES(period->x), period->count, options, PBWC__INDICES(tree->order));
+    status = pbw_order(period->dim, period->x.at, period->count, options, tree->order.at);
     for (i = 0; status == PBW_OK && i < total; i++) {
-        double *box = PBWC__DOUBLES(tree->boxes) + 6 * i;
+        double *box = tree->boxes.at + 6 * i;
         for (k = 0; k < 3; k++) {
             box[k] = HUGE_VAL;
             box[3 + k] = -HUGE_VAL;
         }
     }
     for (i = 0; status == PBW_OK && i < period->count; i++) {
-        const double *x = PBWC__DOUBLES(period->x) + PBWC__INDICES(tree->order)[i] * dim;
+        const double *x = period->x.at + tree->order.at[i] * dim;
         for (c = 0, count = i; c < tree->levels; c++) {
-            double *box = PBWC__DOUBLES(tree->boxes) + 6 * (tree->level[c] + (count /= PBWC__BRANCHES));
+            double *box = tree->boxes.at + 6 * (tree->level[c] + (count /= PBWC__BRANCHES));
             for (k = 0; k < dim; k++) {
                 box[k] = x[k] < box[k] ? x[k] : box[k];
                 box[3 + k] = x[k] > box[3 + k] ? x[k] : box[3 + k];
@@ -5681,8 +5584,8 @@ static pbw_status pbwc__begin_searches(pbwc__period *period, const pbw_options *
 {
     pbw_status status = PBW_OK;
     period->searched.on = 1;
-    memset(period->marks.data, 0, period->marks.bytes);
-    if (period->count >= 500 && period->thin.data == NULL) {
+    memset(period->marks.at, 0, period->marks.count);
+    if (period->count >= 500 && period->thin.at == NULL) {
         status = pbwc__choose_thin(period, 1);
     }
     pbwc__set_frame(period);
@@ -5692,43 +5595,38 @@ static pbw_status pbwc__begin_searches(pbwc__period *period, const pbw_options *
 /* Nothing is found yet in the balls of a mesh. */
 static pbw_status pbwc__start_searches(pbwc__period *period, size_t simplices)
 {
-    pbwc__array *found = &period->searched.found;
+    pbwc__searched *searched = &period->searched;
     size_t i;
-    if (!pbwc__resize(period->memory, found, (period->count + simplices) * sizeof(pbwc__found))) {
+    if (!PBW_FIT(period->memory, searched->found, period->count + simplices)) {
         return PBW_ERROR_MEMORY;
     }
     for (i = 0; i < period->count + simplices; i++) {
-        ((pbwc__found *)found->data)[i].copy.source = PBW_NONE;
+        searched->found.at[i].copy.source = PBW_NONE;
     }
-    found->count = i;
+    searched->found.count = i;
     return PBW_OK;
 }
 
 /* Adds what searches found, each copy once.  Returns 0 if there is no memory. */
 static int pbwc__add_found(pbwc__period *period)
 {
-    const pbwc__found *found = (const pbwc__found *)period->searched.found.data;
-    pbwc__array *added = &period->searched.added;
+    pbwc__searched *searched = &period->searched;
     pbwc__copy *copy;
     size_t i, kept = 0;
-    for (i = 0; i < period->searched.found.count; i++) {
-        if (found[i].copy.source != PBW_NONE) {
-            copy = (pbwc__copy *)pbwc__room(period->memory, added, 1, sizeof *copy);
-            if (copy == NULL) {
-                return 0;
-            }
-            *copy = found[i].copy;
-            added->count++;
+    for (i = 0; i < searched->found.count; i++) {
+        const pbwc__copy *found = &searched->found.at[i].copy;
+        if (found->source != PBW_NONE && !PBW_PUSH(period->memory, searched->added, *found)) {
+            return 0;
         }
     }
-    copy = (pbwc__copy *)added->data;
-    qsort(copy, added->count, sizeof *copy, pbwc__compare_copies);
-    for (i = 0; i < added->count; i++) {
+    copy = searched->added.at;
+    qsort(copy, searched->added.count, sizeof *copy, pbwc__compare_copies);
+    for (i = 0; i < searched->added.count; i++) {
         if (i == 0 || pbwc__compare_copies(copy + i, copy + i - 1) != 0) {
             copy[kept++] = copy[i];
         }
     }
-    added->count = kept;
+    searched->added.count = kept;
     return 1;
 }
 
@@ -5749,7 +5647,7 @@ static pbw_status pbwc__more_copies(pbwc__period *period, const pbw_options *opt
     if (status == PBW_OK && period->total == before) {
         period->marked = 0;
     } else if (status == PBW_OK && period->total > 5 * period->count && period->count >= 500
-               && period->thin.data == NULL) {
+               && period->thin.at == NULL) {
         status = pbwc__choose_thin(period, 1);
         status = status == PBW_OK ? pbwc__copies(period) : status;
     }
@@ -5765,13 +5663,13 @@ static pbw_status pbwc__round(pbwc__job *job, const double *box)
     pbw_mesh mesh;
     double walls[6];
     const size_t dim = (size_t)period->dim;
-    const double *weights = job->weighted ? PBWC__DOUBLES(period->w) : NULL;
+    const double *weights = job->weighted ? period->w.at : NULL;
     size_t k;
     pbw_status status;
     memset(&domain, 0, sizeof domain);
     memset(&mesh, 0, sizeof mesh);
     own.flags = PBW_BORROW;
-    status = pbw_triangulate(period->dim, PBWC__DOUBLES(period->x), weights, period->total, &own, &mesh);
+    status = pbw_triangulate(period->dim, period->x.at, weights, period->total, &own, &mesh);
     if (status == PBW_DEGENERATE && period->count > 0) {
         period->apexes = period->marked = 1;
         status = pbwc__copies(period);
@@ -5830,10 +5728,9 @@ PBWCELLSDEF pbw_status pbw_cells_periodic(int dim, const double *points, const d
     job.count = count;
     job.cells = cells;
     job.weighted = weights != NULL;
-    status = pbwc__resize(&job.memory, &period.x, count * (size_t)dim * sizeof(double) + 1)
-             && pbwc__resize(&job.memory, &period.w, count * sizeof(double) + 1) ? PBW_OK : PBW_ERROR_MEMORY;
+    status = PBW_FIT(&job.memory, period.x, count * (size_t)dim + 1) && PBW_ZEROS(&job.memory, period.w, count)
+           ? PBW_OK : PBW_ERROR_MEMORY;
     if (status == PBW_OK) {
-        memset(period.w.data, 0, period.w.bytes);
         status = period.is_lattice ? pbwc__make_lattice(&period, domain->lattice)
                : pbwc__units(&period, domain->box);
     }
@@ -5847,15 +5744,15 @@ PBWCELLSDEF pbw_status pbw_cells_periodic(int dim, const double *points, const d
         period.marked = 0;
         status = pbwc__round(&job, domain->box);
     }
-    pbwc__release(&job.memory, &period.x);
-    pbwc__release(&job.memory, &period.w);
-    pbwc__release(&job.memory, &period.source);
-    pbwc__release(&job.memory, &period.marks);
-    pbwc__release(&job.memory, &period.thin);
-    pbwc__release(&job.memory, &period.searched.added);
-    pbwc__release(&job.memory, &period.searched.found);
-    pbwc__release(&job.memory, &period.searched.order);
-    pbwc__release(&job.memory, &period.searched.boxes);
+    PBW_RELEASE(&job.memory, period.x);
+    PBW_RELEASE(&job.memory, period.w);
+    PBW_RELEASE(&job.memory, period.source);
+    PBW_RELEASE(&job.memory, period.marks);
+    PBW_RELEASE(&job.memory, period.thin);
+    PBW_RELEASE(&job.memory, period.searched.added);
+    PBW_RELEASE(&job.memory, period.searched.found);
+    PBW_RELEASE(&job.memory, period.searched.order);
+    PBW_RELEASE(&job.memory, period.searched.boxes);
     if (cells->memory != NULL) {
         ((pbwc__owned *)cells->memory)->memory = job.memory;
     }
