@@ -213,59 +213,19 @@ PBW_CONTRACTION_OFF
 
 /* ------------------------------------------------------------------------------------------------------
    >>memory       Memory: growing arrays through options.resize.
-   Holds: used = the sum of all live arrays; over the limit nothing grows.  fault is PBW_OK until an array could not
-   grow or progress cancelled, and then stays what pbwm2__hand_over returns: no result is made of arrays that lack
-   items.
+   Holds: fault of a job is PBW_OK until an array could not grow or progress cancelled, and then stays what
+   pbwm2__hand_over returns: no result is made of arrays that lack items.
    ------------------------------------------------------------------------------------------------------ */
-typedef struct pbwm2__memory {
-    pbw_memory memory;
-    pbw_status fault;
-} pbwm2__memory;
+typedef struct pbwm2__job pbwm2__job;
+typedef double pbwm2__vector[2];
+typedef PBW_ARRAY(double) pbwm2__doubles;
+typedef PBW_ARRAY(pbw_index) pbwm2__indices;
 
-typedef struct pbwm2__array { void *data; size_t count, bytes; } pbwm2__array;   /* count: the owner's */
+static int pbwm2__out_of_memory(pbwm2__job *job);                    /* sets the fault.  Returns 0 */
 
-static void pbwm2__release(pbwm2__memory *memory, pbwm2__array *array)
-{
-    if (array->data != NULL) {
-        (void)pbw_memory_resize(&memory->memory, array->data, array->bytes, 0, 1);
-    }
-    memset(array, 0, sizeof *array);
-}
-
-/* Makes the array `bytes` long.  Returns 0 and leaves it alone if there is no memory. */
-static int pbwm2__resize(pbwm2__memory *memory, pbwm2__array *array, size_t bytes)
-{
-    void *data = pbw_memory_resize(&memory->memory, array->data, array->bytes, bytes, 1);
-    if (data == NULL) {
-        memory->fault = PBW_ERROR_MEMORY;
-        return 0;
-    }
-    array->data = data;
-    array->bytes = bytes;
-    return 1;
-}
-
-/* Makes room for `extra` items after the last; at least one byte.  Returns 0 if there is no memory. */
-static int pbwm2__room(pbwm2__memory *memory, pbwm2__array *array, size_t extra, size_t size)
-{
-    const size_t need = (array->count + extra) * size;
-    if (need <= array->bytes && array->data != NULL) {
-        return 1;
-    }
-    return pbwm2__resize(memory, array, array->data == NULL ? need + size : need + array->bytes / 2 + 16 * size);
-}
-
-static int pbwm2__push(pbwm2__memory *memory, pbwm2__array *array, pbw_index item)
-{
-    if ((array->count + 1) * sizeof item > array->bytes && !pbwm2__room(memory, array, 1, sizeof item)) {
-        return 0;
-    }
-    ((pbw_index *)array->data)[array->count++] = item;
-    return 1;
-}
-
-#define PBWM2__INDICES(array) ((pbw_index *)(array).data)
-#define PBWM2__DOUBLES(array) ((double *)(array).data)
+#define PBWM2__FIT(job, array, wanted) (PBW_FIT(&(job)->memory, array, wanted) || pbwm2__out_of_memory(job))
+#define PBWM2__RESERVE(job, array, more) (PBW_RESERVE(&(job)->memory, array, more) || pbwm2__out_of_memory(job))
+#define PBWM2__PUSH(job, array, item) (PBW_PUSH(&(job)->memory, array, item) || pbwm2__out_of_memory(job))
 
 /* ------------------------------------------------------------------------------------------------------
    >>job          A call, and its triangles.
@@ -281,10 +241,23 @@ typedef struct pbwm2__triangle {
 } pbwm2__triangle;
 
 typedef struct pbwm2__piece { pbw_index a, b, segment; } pbwm2__piece; /* of that segment of the caller, a to b */
+typedef PBW_ARRAY(pbwm2__piece) pbwm2__pieces;
 /* A vertex of a chain.  slot: for the triangle with this apex, PBW_NONE: any free one.  link, edge: of the edge to
    the next vertex; link 4 i + 3: that edge is also the one from vertex i. */
 typedef struct pbwm2__joint { pbw_index v, slot, link, edge; } pbwm2__joint;
 typedef struct pbwm2__group { pbw_index piece, rest; } pbwm2__group; /* rest: a piece, or a further group */
+
+typedef struct pbwm2__component {
+    size_t first, count;                   /* codes of the edges of segments round it, in item_of */
+    pbw_index seed;
+    int winding, known, dead;
+} pbwm2__component;
+
+typedef struct pbwm2__host {               /* an edge of the constrained triangulation */
+    pbw_index a, b, edge;
+    int stuck;                             /* 1: a part of it could not be split, for want of digits */
+    int acute;                             /* 1: it meets another one at less than 60 degrees */
+} pbwm2__host;
 
 #define PBWM2__CAVITY 0x80000000u
 #define PBWM2__SLOT(code) ((code) >> 2)
@@ -293,33 +266,46 @@ typedef struct pbwm2__group { pbw_index piece, rest; } pbwm2__group; /* rest: a 
 
 static const unsigned char pbwm2__next[3] = { 1, 2, 0 }, pbwm2__last[3] = { 2, 0, 1 };
 
-typedef struct pbwm2__job {
-    pbwm2__memory memory;
+struct pbwm2__job {
+    pbw_memory memory;
+    pbw_status fault;
     const pbw_plane_input *input;
     const pbw_plane_options *options;
     const pbw_options *build;
     pbw_plane *plane;
-    pbwm2__triangle *t;                    /* = triangles.data */
-    double *p;                             /* = points.data */
-    pbw_index *incident;                   /* = incidents.data: per vertex a triangle */
+    pbwm2__triangle *t;                    /* = triangles.at */
+    double *p;                             /* = points.at */
+    pbw_index *incident;                   /* = incidents.at: per vertex a triangle */
     size_t piece_count;
     pbw_index free_slot;
     double floor;                          /* see signs */
     pbw_stage stage;                       /* that progress is of */
     size_t steps;                          /* since progress was reported */
-    pbwm2__array triangles, points, incidents;
-    pbwm2__array given, segments;          /* points, and pieces in their numbers; crossings and parts are added */
-    pbwm2__array original;                 /* per vertex: its number in given */
-    pbwm2__array vertex;                   /* and back; a duplicate has the vertex at its place */
-    pbwm2__array pieces, groups;
-    pbwm2__array chain[2];                 /* left and right of a segment: pbwm2__joint */
-    pbwm2__array stack, old, fresh;        /* fresh: slots that were filled last */
-    pbwm2__array crossings;
+    PBW_ARRAY(pbwm2__triangle) triangles;
+    PBW_ARRAY(pbwm2__vector) points;
+    pbwm2__indices incidents;
+    PBW_ARRAY(pbwm2__vector) given;        /* the caller's points; crossings are added */
+    pbwm2__pieces segments;                /* pieces in their numbers; parts are added */
+    pbwm2__indices original;               /* per vertex: its number in given */
+    pbwm2__indices vertex;                 /* and back; a duplicate has the vertex at its place */
+    pbwm2__pieces pieces;
+    PBW_ARRAY(pbwm2__group) groups;
+    PBW_ARRAY(pbwm2__joint) chain[2];      /* left and right of a segment */
+    pbwm2__indices stack, old, fresh;      /* fresh: slots that were filled last */
+    pbwm2__indices crossings;
     size_t side_count;                     /* sides of triangles with an edge, those of the border twice */
-    pbwm2__array hosts, vertex_host, sizes; /* see refinement */
-    pbwm2__array first_of, item_of;        /* lists of various uses */
-    pbwm2__array components;               /* pbwm2__component */
-} pbwm2__job;
+    PBW_ARRAY(pbwm2__host) hosts;          /* these three: see refinement */
+    pbwm2__indices vertex_host;
+    pbwm2__doubles sizes;
+    pbwm2__indices first_of, item_of;      /* lists of various uses */
+    PBW_ARRAY(pbwm2__component) components;
+};
+
+static int pbwm2__out_of_memory(pbwm2__job *job)
+{
+    job->fault = PBW_ERROR_MEMORY;
+    return 0;
+}
 
 /* The caller's number of the segment that a piece is of. */
 static pbw_index pbwm2__id_of(const pbwm2__job *job, pbwm2__piece piece)
@@ -333,11 +319,11 @@ static pbwm2__piece pbwm2__take_piece(const pbwm2__job *job, pbw_index *edge)
     pbw_index number = *edge;
     *edge = PBW_NONE;
     if (number >= job->piece_count) {
-        const pbwm2__group group = ((const pbwm2__group *)job->groups.data)[number - job->piece_count];
+        const pbwm2__group group = job->groups.at[number - job->piece_count];
         number = group.piece;
         *edge = group.rest;
     }
-    return ((const pbwm2__piece *)job->pieces.data)[number];
+    return job->pieces.at[number];
 }
 
 static pbw_status pbwm2__say(pbwm2__job *job, pbw_status status, const char *text)
@@ -349,11 +335,11 @@ static pbw_status pbwm2__say(pbwm2__job *job, pbw_status status, const char *tex
 /* Every loop that may be long calls it.  Returns nonzero if the call is cancelled. */
 static int pbwm2__step(pbwm2__job *job, double done)
 {
-    if ((++job->steps & 1023) == 0 && job->build->progress != NULL && job->memory.fault == PBW_OK
+    if ((++job->steps & 1023) == 0 && job->build->progress != NULL && job->fault == PBW_OK
         && job->build->progress(job->build->progress_user, job->stage, done) != 0) {
-        job->memory.fault = PBW_CANCELLED;
+        job->fault = PBW_CANCELLED;
     }
-    return job->memory.fault == PBW_CANCELLED;
+    return job->fault == PBW_CANCELLED;
 }
 
 /* The share of items that a loop has done. */
@@ -365,11 +351,11 @@ static double pbwm2__share(size_t i, size_t count)
 /* Limits a call of pbw.h to the memory that the job does not hold.  Returns 0 if there is none. */
 static int pbwm2__limit_rest(pbwm2__job *job, pbw_options *options)
 {
-    if (job->memory.memory.limit != 0 && job->memory.memory.used >= job->memory.memory.limit) {
-        job->memory.fault = PBW_ERROR_MEMORY;
+    if (job->memory.limit != 0 && job->memory.used >= job->memory.limit) {
+        job->fault = PBW_ERROR_MEMORY;
         return 0;
     }
-    options->memory_limit = job->memory.memory.limit != 0 ? job->memory.memory.limit - job->memory.memory.used : 0;
+    options->memory_limit = job->memory.limit != 0 ? job->memory.limit - job->memory.used : 0;
     return 1;
 }
 
@@ -395,13 +381,13 @@ static void pbwm2__free_slot(pbwm2__job *job, pbw_index slot)
 static int pbwm2__reserve_slots(pbwm2__job *job, size_t count)
 {
     if (job->triangles.count + count > PBWM2__TRIANGLES_MOST) {
-        job->memory.fault = PBW_ERROR_TOO_LARGE;
+        job->fault = PBW_ERROR_TOO_LARGE;
         return 0;
     }
-    if (!pbwm2__room(&job->memory, &job->triangles, count, sizeof(pbwm2__triangle))) {
+    if (!PBWM2__RESERVE(job, job->triangles, count)) {
         return 0;
     }
-    job->t = (pbwm2__triangle *)job->triangles.data;
+    job->t = job->triangles.at;
     return 1;
 }
 
@@ -562,11 +548,10 @@ static pbw_index pbwm2__fill(pbwm2__job *job, pbwm2__joint *chain, size_t count,
     pbw_index base = PBW_NONE, *stack;
     size_t top = 3;
     job->stack.count = job->fresh.count = 0;
-    if (!pbwm2__room(&job->memory, &job->stack, 3 * (count + 2), sizeof(pbw_index))
-        || !pbwm2__room(&job->memory, &job->fresh, count, sizeof(pbw_index))) {
+    if (!PBWM2__RESERVE(job, job->stack, 3 * (count + 2)) || !PBWM2__RESERVE(job, job->fresh, count)) {
         return PBW_NONE;
     }
-    stack = PBWM2__INDICES(job->stack);
+    stack = job->stack.at;
     stack[0] = 0;
     stack[1] = (pbw_index)(count - 1);
     stack[2] = PBW_NONE;
@@ -592,7 +577,7 @@ static pbw_index pbwm2__fill(pbwm2__job *job, pbwm2__joint *chain, size_t count,
         slot = pbwm2__put(job, chain + low, chain + high, chain + apex, region);
         pbwm2__join(job, 4 * slot + 2, parent);
         base = base == PBW_NONE ? 4 * slot + 2 : base;
-        PBWM2__INDICES(job->fresh)[job->fresh.count++] = slot;
+        job->fresh.at[job->fresh.count++] = slot;
         stack[top] = low;
         stack[top + 1] = (pbw_index)apex;
         stack[top + 2] = 4 * slot + 1;
@@ -704,23 +689,18 @@ static pbw_index pbwm2__find_exit(const pbwm2__job *job, pbw_index a, pbw_index 
 /* Adds a vertex, and the edge from there, by its code in an old triangle, to a chain. */
 static int pbwm2__chain_push(pbwm2__job *job, int side, pbw_index vertex, pbw_index inner)
 {
-    pbwm2__array *chain = &job->chain[side];
-    pbwm2__joint *joint;
-    if ((chain->count + 1) * sizeof *joint > chain->bytes && !pbwm2__room(&job->memory, chain, 1, sizeof *joint)) {
-        return 0;
-    }
-    joint = (pbwm2__joint *)chain->data + chain->count++;
-    joint->v = vertex;
-    joint->slot = PBWM2__SLOT(inner);
-    joint->link = inner;
-    joint->edge = PBW_NONE;
-    return 1;
+    pbwm2__joint joint;
+    joint.v = vertex;
+    joint.slot = PBWM2__SLOT(inner);
+    joint.link = inner;
+    joint.edge = PBW_NONE;
+    return PBWM2__PUSH(job, job->chain[side], joint);
 }
 
 static int pbwm2__dig_old(pbwm2__job *job, pbw_index slot)
 {
     job->t[slot].region |= PBWM2__CAVITY;
-    return pbwm2__push(&job->memory, &job->old, slot);
+    return PBWM2__PUSH(job, job->old, slot);
 }
 
 /* Collects the cavity of a segment from a towards b: both chains, and the old triangles.  Returns the vertex at its
@@ -753,8 +733,8 @@ static pbw_index pbwm2__cavity(pbwm2__job *job, pbw_index corner, pbw_index b, p
           && (sign < 0 || pbwm2__chain_push(job, 0, left, to_left))
           && (sign > 0 || pbwm2__chain_push(job, 1, right, to_right));
         if (sign == 0) {
-            pbwm2__joint *right_last = (pbwm2__joint *)job->chain[1].data + job->chain[1].count - 1;
-            right_last->slot = ok ? PBWM2__INDICES(job->old)[0] : PBW_NONE;      /* the one left over */
+            pbwm2__joint *right_last = job->chain[1].at + job->chain[1].count - 1;
+            right_last->slot = ok ? job->old.at[0] : PBW_NONE;       /* the one left over */
             ok = ok && pbwm2__chain_push(job, 0, x, PBW_NONE) && pbwm2__chain_push(job, 1, x, PBW_NONE);
             return ok ? x : PBW_NONE;
         }
@@ -808,7 +788,7 @@ static void pbwm2__look_beyond(pbwm2__job *job, pbwm2__joint *chain, size_t coun
 /* Replaces the triangles of a cavity.  Returns the code of the segment's edge; PBW_NONE without memory. */
 static pbw_index pbwm2__refill(pbwm2__job *job)
 {
-    pbwm2__joint *left = (pbwm2__joint *)job->chain[0].data, *right = (pbwm2__joint *)job->chain[1].data;
+    pbwm2__joint *left = job->chain[0].at, *right = job->chain[1].at;
     pbw_index base[2];
     pbwm2__reverse(right, job->chain[1].count);
     pbwm2__look_beyond(job, left, job->chain[0].count);
@@ -831,10 +811,10 @@ static int pbwm2__add_piece(pbwm2__job *job, pbw_index code, pbw_index piece)
         pbwm2__mark_edge(job, code, piece);
         return 1;
     }
-    if (!pbwm2__room(&job->memory, &job->groups, 1, sizeof *groups)) {
+    if (!PBWM2__RESERVE(job, job->groups, 1)) {
         return 0;
     }
-    groups = (pbwm2__group *)job->groups.data;
+    groups = job->groups.at;
     if (job->groups.count == 0 || groups[job->groups.count - 1].piece != piece
         || groups[job->groups.count - 1].rest != rest) {
         groups[job->groups.count].piece = piece;
@@ -848,7 +828,7 @@ enum { PBWM2__DONE, PBWM2__CROSSES, PBWM2__NO_MEMORY };
 
 static int pbwm2__insert_piece(pbwm2__job *job, pbw_index number)
 {
-    const pbwm2__piece piece = ((const pbwm2__piece *)job->pieces.data)[number];
+    const pbwm2__piece piece = job->pieces.at[number];
     pbw_index a = piece.a, b = piece.b, end, crossed = PBW_NONE;
     while (a != b) {
         int fewer = 0;
@@ -895,10 +875,8 @@ static pbw_status pbwm2__take_mesh(pbwm2__job *job, const pbw_mesh *mesh)
         return PBW_ERROR_TOO_LARGE;
     }
     if (!pbwm2__reserve_slots(job, mesh->simplex_count)
-        || !pbwm2__room(&job->memory, &job->points, n, 2 * sizeof(double))
-        || !pbwm2__room(&job->memory, &job->incidents, n, sizeof(pbw_index))
-        || !pbwm2__room(&job->memory, &job->original, n, sizeof(pbw_index))
-        || !pbwm2__room(&job->memory, &job->vertex, n, sizeof(pbw_index))) {
+        || !PBWM2__RESERVE(job, job->points, n) || !PBWM2__RESERVE(job, job->incidents, n)
+        || !PBWM2__RESERVE(job, job->original, n) || !PBWM2__RESERVE(job, job->vertex, n)) {
         return PBW_ERROR_MEMORY;
     }
     for (i = 0; i < mesh->simplex_count; i++) {
@@ -917,13 +895,13 @@ static pbw_status pbwm2__take_mesh(pbwm2__job *job, const pbw_mesh *mesh)
     }
     job->triangles.count = mesh->simplex_count;
     job->points.count = job->incidents.count = job->original.count = job->vertex.count = n;
-    job->p = PBWM2__DOUBLES(job->points);
-    job->incident = PBWM2__INDICES(job->incidents);
+    job->p = job->points.at[0];
+    job->incident = job->incidents.at;
     memcpy(job->p, mesh->points, n * 2 * sizeof(double));
     memcpy(job->incident, mesh->incident, n * sizeof(pbw_index));
-    memcpy(job->original.data, mesh->original, n * sizeof(pbw_index));
+    memcpy(job->original.at, mesh->original, n * sizeof(pbw_index));
     for (i = 0; i < n; i++) {
-        PBWM2__INDICES(job->vertex)[mesh->original[i]] = mesh->canonical[i];
+        job->vertex.at[mesh->original[i]] = mesh->canonical[i];
     }
     job->free_slot = PBW_NONE;
     pbwm2__set_floor(job, 0);
@@ -942,12 +920,12 @@ static pbw_status pbwm2__triangulate(pbwm2__job *job)
     if (!pbwm2__limit_rest(job, &options)) {
         return pbwm2__say(job, PBW_ERROR_MEMORY, NULL);
     }
-    status = pbw_triangulate(2, PBWM2__DOUBLES(job->given), NULL, job->given.count, &options, &mesh);
+    status = pbw_triangulate(2, job->given.at[0], NULL, job->given.count, &options, &mesh);
     if (status == PBW_OK) {
         const size_t held = mesh.statistics.peak_bytes;          /* at most: the mesh has some of them */
-        job->memory.memory.used += held;
+        job->memory.used += held;
         status = pbwm2__take_mesh(job, &mesh);
-        job->memory.memory.used -= held;
+        job->memory.used -= held;
     }
     pbw_free(&mesh);
     return status == PBW_OK ? status : pbwm2__say(job, status, NULL);
@@ -956,18 +934,17 @@ static pbw_status pbwm2__triangulate(pbwm2__job *job)
 /* Fills pieces from the segments: ends become vertices; in the order of the first of the two on the curve. */
 static pbw_status pbwm2__order_pieces(pbwm2__job *job)
 {
-    const pbwm2__piece *segment = (const pbwm2__piece *)job->segments.data;
-    const pbw_index *vertex = PBWM2__INDICES(job->vertex);
+    const pbwm2__piece *segment = job->segments.at;
+    const pbw_index *vertex = job->vertex.at;
     const size_t count = job->segments.count, n = job->points.count;
     pbw_index *first;
     size_t i, sum = 0;
     job->pieces.count = job->first_of.count = 0;
     job->groups.count = 0;
-    if (!pbwm2__room(&job->memory, &job->pieces, count, sizeof(pbwm2__piece))
-        || !pbwm2__room(&job->memory, &job->first_of, n + 1, sizeof(pbw_index))) {
+    if (!PBWM2__RESERVE(job, job->pieces, count) || !PBWM2__RESERVE(job, job->first_of, n + 1)) {
         return pbwm2__say(job, PBW_ERROR_MEMORY, NULL);
     }
-    first = PBWM2__INDICES(job->first_of);
+    first = job->first_of.at;
     memset(first, 0, (n + 1) * sizeof *first);
     for (i = 0; i < count; i++) {
         const pbw_index a = vertex[segment[i].a], b = vertex[segment[i].b];
@@ -980,7 +957,7 @@ static pbw_status pbwm2__order_pieces(pbwm2__job *job)
     }
     for (i = 0; i < count; i++) {
         const pbw_index a = vertex[segment[i].a], b = vertex[segment[i].b];
-        pbwm2__piece *piece = (pbwm2__piece *)job->pieces.data + first[a < b ? a : b]++;
+        pbwm2__piece *piece = job->pieces.at + first[a < b ? a : b]++;
         piece->a = a;
         piece->b = b;
         piece->segment = segment[i].segment;
@@ -1018,10 +995,12 @@ static pbw_status pbwm2__constrain(pbwm2__job *job, int *crosses)
    ------------------------------------------------------------------------------------------------------ */
 typedef struct pbwm2__box { double low[2], high[2]; } pbwm2__box;
 typedef struct pbwm2__cut { double at; pbw_index segment, other; } pbwm2__cut;   /* other: a segment, or a point */
+typedef PBW_ARRAY(pbwm2__cut) pbwm2__cuts;
 enum { PBWM2__LEVELS = 17, PBWM2__FAN = 4, PBWM2__ROUNDS = 16 };
 
 typedef struct pbwm2__tree {
-    pbwm2__array order, boxes;
+    pbwm2__indices order;
+    PBW_ARRAY(pbwm2__box) boxes;
     size_t first[PBWM2__LEVELS + 1], count[PBWM2__LEVELS];           /* of the boxes of each level; 0: the segments */
     int levels;
 } pbwm2__tree;
@@ -1049,8 +1028,10 @@ static void pbwm2__sift(pbwm2__cut *cut, size_t root, size_t count)
     cut[root] = item;
 }
 
-static void pbwm2__sort(pbwm2__cut *cut, size_t count)               /* heapsort (Williams 1964) */
+static void pbwm2__sort(pbwm2__cuts *cuts)           /* heapsort (Williams 1964) */
 {
+    pbwm2__cut *cut = cuts->at;
+    const size_t count = cuts->count;
     size_t i;
     for (i = count / 2; i > 0; i--) {
         pbwm2__sift(cut, i - 1, count);
@@ -1074,11 +1055,11 @@ static void pbwm2__widen(pbwm2__box *box, const double *low, const double *high)
 
 static pbw_status pbwm2__build_tree(pbwm2__job *job, pbwm2__tree *tree)
 {
-    const pbwm2__piece *segment = (const pbwm2__piece *)job->segments.data;
-    const double *p = PBWM2__DOUBLES(job->given);
+    const pbwm2__piece *segment = job->segments.at;
+    const double *p = job->given.at[0];
     const size_t m = job->segments.count;
     pbw_options options = *job->build;
-    pbwm2__array middles;
+    PBW_ARRAY(pbwm2__vector) middles;
     pbwm2__box *box;
     pbw_status status;
     size_t i, k, total = m, n = m;
@@ -1088,25 +1069,24 @@ static pbw_status pbwm2__build_tree(pbwm2__job *job, pbwm2__tree *tree)
         tree->count[tree->levels] = n;
         total += n;
     }
-    if (!pbwm2__room(&job->memory, &middles, m, 2 * sizeof(double))
-        || !pbwm2__room(&job->memory, &tree->order, m, sizeof(pbw_index))
-        || !pbwm2__room(&job->memory, &tree->boxes, total, sizeof(pbwm2__box))) {
-        pbwm2__release(&job->memory, &middles);
+    if (!PBWM2__RESERVE(job, middles, m) || !PBWM2__RESERVE(job, tree->order, m)
+        || !PBWM2__RESERVE(job, tree->boxes, total)) {
+        PBW_RELEASE(&job->memory, middles);
         return PBW_ERROR_MEMORY;
     }
     for (i = 0; i < m; i++) {
         for (k = 0; k < 2; k++) {
             const double a = p[2 * (size_t)segment[i].a + k], b = p[2 * (size_t)segment[i].b + k];
-            PBWM2__DOUBLES(middles)[2 * i + k] = a / 2 + b / 2;
+            middles.at[i][k] = a / 2 + b / 2;
         }
     }
     options.stride = 0;
     status = !pbwm2__limit_rest(job, &options) ? PBW_ERROR_MEMORY
-           : pbw_order(2, PBWM2__DOUBLES(middles), m, &options, PBWM2__INDICES(tree->order));
-    pbwm2__release(&job->memory, &middles);
-    box = (pbwm2__box *)tree->boxes.data;
+           : pbw_order(2, middles.at[0], m, &options, tree->order.at);
+    PBW_RELEASE(&job->memory, middles);
+    box = tree->boxes.at;
     for (i = 0; status == PBW_OK && i < m; i++) {
-        const pbwm2__piece s = segment[PBWM2__INDICES(tree->order)[i]];
+        const pbwm2__piece s = segment[tree->order.at[i]];
         memcpy(box[i].low, p + 2 * (size_t)s.a, sizeof box[i].low);
         memcpy(box[i].high, p + 2 * (size_t)s.a, sizeof box[i].high);
         pbwm2__widen(box + i, p + 2 * (size_t)s.b, p + 2 * (size_t)s.b);
@@ -1128,32 +1108,27 @@ static pbw_status pbwm2__build_tree(pbwm2__job *job, pbwm2__tree *tree)
 
 static int pbwm2__cross(const pbwm2__job *job, pbwm2__piece s, pbwm2__piece t)
 {
-    const double *p = PBWM2__DOUBLES(job->given);
-    const double *a = p + 2 * (size_t)s.a, *b = p + 2 * (size_t)s.b;
-    const double *c = p + 2 * (size_t)t.a, *d = p + 2 * (size_t)t.b;
+    const double *a = job->given.at[s.a], *b = job->given.at[s.b];
+    const double *c = job->given.at[t.a], *d = job->given.at[t.b];
     return pbwm2__orient_at(job, a, b, c) * pbwm2__orient_at(job, a, b, d) < 0
         && pbwm2__orient_at(job, c, d, a) * pbwm2__orient_at(job, c, d, b) < 0;
 }
 
-static int pbwm2__add_cut(pbwm2__job *job, pbwm2__array *cuts, pbw_index segment, pbw_index other, double at)
+static int pbwm2__add_cut(pbwm2__job *job, pbwm2__cuts *cuts, pbw_index segment, pbw_index other, double at)
 {
-    pbwm2__cut *cut;
-    if (!pbwm2__room(&job->memory, cuts, 1, sizeof *cut)) {
-        return 0;
-    }
-    cut = (pbwm2__cut *)cuts->data + cuts->count++;
-    cut->segment = segment;
-    cut->other = other;
-    cut->at = at;
-    return 1;
+    pbwm2__cut cut;
+    cut.segment = segment;
+    cut.other = other;
+    cut.at = at;
+    return PBWM2__PUSH(job, *cuts, cut);
 }
 
 /* Adds the pairs of the segment at place i of the tree with those of later places. */
-static int pbwm2__pairs_of(pbwm2__job *job, const pbwm2__tree *tree, size_t i, pbwm2__array *pairs)
+static int pbwm2__pairs_of(pbwm2__job *job, const pbwm2__tree *tree, size_t i, pbwm2__cuts *pairs)
 {
-    const pbwm2__piece *segment = (const pbwm2__piece *)job->segments.data;
-    const pbw_index *order = PBWM2__INDICES(tree->order);
-    const pbwm2__box *box = (const pbwm2__box *)tree->boxes.data, mine = box[i];
+    const pbwm2__piece *segment = job->segments.at;
+    const pbw_index *order = tree->order.at;
+    const pbwm2__box *box = tree->boxes.at, mine = box[i];
     size_t stack[PBWM2__LEVELS * PBWM2__FAN], top = 0, n = tree->count[tree->levels - 1], width = 1, k;
     int level[PBWM2__LEVELS * PBWM2__FAN];
     for (k = 0; k < n; k++) {
@@ -1187,7 +1162,7 @@ static int pbwm2__pairs_of(pbwm2__job *job, const pbwm2__tree *tree, size_t i, p
     return 1;
 }
 
-static pbw_status pbwm2__find_pairs(pbwm2__job *job, pbwm2__array *pairs)
+static pbw_status pbwm2__find_pairs(pbwm2__job *job, pbwm2__cuts *pairs)
 {
     pbwm2__tree tree;
     pbw_status status;
@@ -1199,10 +1174,10 @@ static pbw_status pbwm2__find_pairs(pbwm2__job *job, pbwm2__array *pairs)
         status = !pbwm2__pairs_of(job, &tree, i, pairs) ? PBW_ERROR_MEMORY
                : pbwm2__step(job, pbwm2__share(i, job->segments.count)) ? PBW_CANCELLED : PBW_OK;
     }
-    pbwm2__release(&job->memory, &tree.order);
-    pbwm2__release(&job->memory, &tree.boxes);
+    PBW_RELEASE(&job->memory, tree.order);
+    PBW_RELEASE(&job->memory, tree.boxes);
     if (status == PBW_OK) {
-        pbwm2__sort((pbwm2__cut *)pairs->data, pairs->count);
+        pbwm2__sort(pairs);
     }
     return status == PBW_OK ? status : pbwm2__say(job, status, NULL);
 }
@@ -1211,13 +1186,13 @@ static pbw_status pbwm2__find_pairs(pbwm2__job *job, pbwm2__array *pairs)
    the points, without constraints. */
 static pbw_status pbwm2__cut_at_points(pbwm2__job *job)
 {
-    const pbw_index *vertex = PBWM2__INDICES(job->vertex), *original = PBWM2__INDICES(job->original);
-    pbwm2__array parts;
+    const pbw_index *vertex = job->vertex.at, *original = job->original.at;
+    pbwm2__pieces parts;
     pbw_status status = pbwm2__triangulate(job);
     size_t i;
     memset(&parts, 0, sizeof parts);
     for (i = 0; status == PBW_OK && i < job->segments.count; i++) {
-        pbwm2__piece s = ((const pbwm2__piece *)job->segments.data)[i];
+        pbwm2__piece s = job->segments.at[i];
         const pbw_index b = vertex[s.b];
         pbw_index a = vertex[s.a], crossed;
         while (status == PBW_OK && a != b) {
@@ -1226,21 +1201,21 @@ static pbw_status pbwm2__cut_at_points(pbwm2__job *job)
                 code = pbwm2__find_exit(job, a, b, &end);
                 end = end != PBW_NONE ? end : pbwm2__cavity(job, code, b, &crossed);
             }
-            if (end == PBW_NONE || !pbwm2__room(&job->memory, &parts, 1, sizeof s)) {
-                status = pbwm2__say(job, PBW_ERROR_MEMORY, NULL);
-            } else {
+            if (end != PBW_NONE) {
                 s.a = original[a];
                 s.b = original[end];
-                ((pbwm2__piece *)parts.data)[parts.count++] = s;
                 a = end;
+            }
+            if (end == PBW_NONE || !PBWM2__PUSH(job, parts, s)) {
+                status = pbwm2__say(job, PBW_ERROR_MEMORY, NULL);
             }
         }
     }
     if (status == PBW_OK) {
-        pbwm2__release(&job->memory, &job->segments);
+        PBW_RELEASE(&job->memory, job->segments);
         job->segments = parts;
     } else {
-        pbwm2__release(&job->memory, &parts);
+        PBW_RELEASE(&job->memory, parts);
     }
     return status;
 }
@@ -1291,11 +1266,11 @@ static int pbwm2__place_before(const double *a, const double *b)
 }
 
 /* Makes the cuts of two segments that cross, at a new point, or at an end that is not farther from it than `near`. */
-static int pbwm2__cut_pair(pbwm2__job *job, pbwm2__cut pair, int exponent, double near, pbwm2__array *cuts)
+static int pbwm2__cut_pair(pbwm2__job *job, pbwm2__cut pair, int exponent, double near, pbwm2__cuts *cuts)
 {
-    const pbwm2__piece *segment = (const pbwm2__piece *)job->segments.data;
+    const pbwm2__piece *segment = job->segments.at;
     const double *corner[6];
-    double *p = PBWM2__DOUBLES(job->given), out[2], unused[2], at[2], best = near;
+    double *p = job->given.at[0], out[2], unused[2], at[2], best = near;
     pbw_index end[4], number[2], point = (pbw_index)job->given.count;
     int turned[2], i, k;
     number[0] = pair.segment;
@@ -1322,33 +1297,33 @@ static int pbwm2__cut_pair(pbwm2__job *job, pbwm2__cut pair, int exponent, doubl
         }
     }
     if (point == job->given.count) {
-        memcpy(p + 2 * job->given.count++, out, sizeof out);
+        memcpy(job->given.at[job->given.count++], out, sizeof out);
     }
     return pbwm2__add_cut(job, cuts, number[0], point, turned[0] ? 1 - at[0] : at[0])
         && pbwm2__add_cut(job, cuts, number[1], point, turned[1] ? 1 - at[1] : at[1]);
 }
 
 /* Replaces the segments by their parts between cuts, which are sorted. */
-static int pbwm2__cut_segments(pbwm2__job *job, const pbwm2__array *cuts)
+static int pbwm2__cut_segments(pbwm2__job *job, const pbwm2__cuts *cuts)
 {
-    const pbwm2__cut *cut = (const pbwm2__cut *)cuts->data;
-    pbwm2__array parts;
+    const pbwm2__cut *cut = cuts->at;
+    pbwm2__pieces parts;
     size_t i, k = 0;
     memset(&parts, 0, sizeof parts);
-    if (!pbwm2__room(&job->memory, &parts, job->segments.count + cuts->count, sizeof(pbwm2__piece))) {
+    if (!PBWM2__RESERVE(job, parts, job->segments.count + cuts->count)) {
         return 0;
     }
     for (i = 0; i < job->segments.count; i++) {
-        pbwm2__piece s = ((const pbwm2__piece *)job->segments.data)[i], part = s;
+        pbwm2__piece s = job->segments.at[i], part = s;
         for (; k < cuts->count && cut[k].segment == i; k++) {
             part.b = cut[k].other;
-            ((pbwm2__piece *)parts.data)[parts.count++] = part;
+            parts.at[parts.count++] = part;
             part.a = part.b;
         }
         part.b = s.b;
-        ((pbwm2__piece *)parts.data)[parts.count++] = part;
+        parts.at[parts.count++] = part;
     }
-    pbwm2__release(&job->memory, &job->segments);
+    PBW_RELEASE(&job->memory, job->segments);
     job->segments = parts;
     return 1;
 }
@@ -1356,49 +1331,49 @@ static int pbwm2__cut_segments(pbwm2__job *job, const pbwm2__array *cuts)
 /* Cuts segments at their crossings: adds points to given, and replaces segments by their parts.  A part that passes
    an ulp beside a point could have new crossings in every round, so from the second round on a crossing near an end
    is moved there, and the distance that counts as near doubles from round to round. */
-static pbw_status pbwm2__split(pbwm2__job *job, const pbwm2__array *pairs)
+static pbw_status pbwm2__split(pbwm2__job *job, const pbwm2__cuts *pairs)
 {
-    pbwm2__array cuts;
+    pbwm2__cuts cuts;
     double most = 0;
     size_t i;
     int ok, exponent;
     memset(&cuts, 0, sizeof cuts);
     for (i = 0; i < 2 * job->given.count; i++) {
-        most = fmax(most, fabs(PBWM2__DOUBLES(job->given)[i]));
+        most = fmax(most, fabs(job->given.at[i / 2][i % 2]));
     }
     (void)frexp(most, &exponent);
-    ok = pbwm2__room(&job->memory, &job->given, pairs->count, 2 * sizeof(double));
+    ok = PBWM2__RESERVE(job, job->given, pairs->count);
     for (i = 0; ok && i < pairs->count; i++) {
         const int round = job->plane->report.rounds;
-        ok = pbwm2__cut_pair(job, ((const pbwm2__cut *)pairs->data)[i], exponent,
+        ok = pbwm2__cut_pair(job, pairs->at[i], exponent,
                              round > 1 ? ldexp(1.5, exponent - 53 + round - 2) : 0, &cuts);
     }
     if (ok) {
-        pbwm2__sort((pbwm2__cut *)cuts.data, cuts.count);
+        pbwm2__sort(&cuts);
         ok = pbwm2__cut_segments(job, &cuts);
     }
-    pbwm2__release(&job->memory, &cuts);
+    PBW_RELEASE(&job->memory, cuts);
     return ok ? PBW_OK : pbwm2__say(job, PBW_ERROR_MEMORY, NULL);
 }
 
 /* Reports all crossings: the error of an input that has some. */
-static pbw_status pbwm2__refuse(pbwm2__job *job, pbwm2__array *pairs)
+static pbw_status pbwm2__refuse(pbwm2__job *job, pbwm2__cuts *pairs)
 {
-    pbwm2__cut *pair = (pbwm2__cut *)pairs->data;
+    pbwm2__cut *pair = pairs->at;
     size_t i;
     for (i = 0; i < pairs->count; i++) {
-        const pbw_index s = pbwm2__id_of(job, ((const pbwm2__piece *)job->segments.data)[pair[i].segment]);
-        const pbw_index t = pbwm2__id_of(job, ((const pbwm2__piece *)job->segments.data)[pair[i].other]);
+        const pbw_index s = pbwm2__id_of(job, job->segments.at[pair[i].segment]);
+        const pbw_index t = pbwm2__id_of(job, job->segments.at[pair[i].other]);
         pair[i].segment = s < t ? s : t;
         pair[i].other = s < t ? t : s;
     }
-    pbwm2__sort(pair, pairs->count);
-    if (!pbwm2__room(&job->memory, &job->crossings, 2 * pairs->count, sizeof(pbw_index))) {
+    pbwm2__sort(pairs);
+    if (!PBWM2__RESERVE(job, job->crossings, 2 * pairs->count)) {
         return pbwm2__say(job, PBW_ERROR_MEMORY, NULL);
     }
     for (i = 0; i < pairs->count; i++) {
-        PBWM2__INDICES(job->crossings)[2 * i] = pair[i].segment;
-        PBWM2__INDICES(job->crossings)[2 * i + 1] = pair[i].other;
+        job->crossings.at[2 * i] = pair[i].segment;
+        job->crossings.at[2 * i + 1] = pair[i].other;
     }
     job->crossings.count = 2 * pairs->count;
     snprintf(job->plane->what, sizeof job->plane->what, "segments %u and %u cross; crossings in all: %lu",
@@ -1410,7 +1385,7 @@ static pbw_status pbwm2__refuse(pbwm2__job *job, pbwm2__array *pairs)
    coordinates have very different exponents, parts bent by rounding can keep crossing: then it gives up. */
 static pbw_status pbwm2__constrain_all(pbwm2__job *job)
 {
-    pbwm2__array pairs;
+    pbwm2__cuts pairs;
     pbw_status status;
     size_t most = 0;
     int crosses = 0;
@@ -1436,7 +1411,7 @@ static pbw_status pbwm2__constrain_all(pbwm2__job *job)
             status = pbwm2__constrain(job, &crosses);
         }
     }
-    pbwm2__release(&job->memory, &pairs);
+    PBW_RELEASE(&job->memory, pairs);
     return status;
 }
 
@@ -1449,12 +1424,6 @@ static pbw_status pbwm2__constrain_all(pbwm2__job *job)
    A constraint with one component on both sides, such as a segment that sticks out, separates nothing.  Between two
    components the winding number changes by the pieces on the edge between them, each with its direction.
    ------------------------------------------------------------------------------------------------------ */
-typedef struct pbwm2__component {
-    size_t first, count;                   /* codes of the edges of segments round it, in item_of */
-    pbw_index seed;
-    int winding, known, dead;
-} pbwm2__component;
-
 #define PBWM2__BORDER (PBW_NONE - 1)       /* an edge that is a constraint because the hull ends there */
 
 static int pbwm2__winding_of(const pbwm2__job *job, pbw_index edge, pbw_index u, pbw_index v)
@@ -1517,14 +1486,10 @@ static void pbwm2__join_components(pbwm2__job *job, pbw_index *parent)
 
 static int pbwm2__add_component(pbwm2__job *job)
 {
-    pbwm2__component *c;
-    if (!pbwm2__room(&job->memory, &job->components, 1, sizeof *c)) {
-        return 0;
-    }
-    c = (pbwm2__component *)job->components.data + job->components.count++;
-    memset(c, 0, sizeof *c);
-    c->seed = PBW_NONE;
-    return 1;
+    pbwm2__component c;
+    memset(&c, 0, sizeof c);
+    c.seed = PBW_NONE;
+    return PBWM2__PUSH(job, job->components, c);
 }
 
 static int pbwm2__find_components(pbwm2__job *job)
@@ -1533,10 +1498,10 @@ static int pbwm2__find_components(pbwm2__job *job)
     pbw_index *parent;
     size_t i;
     job->item_of.count = job->components.count = 0;
-    if (!pbwm2__room(&job->memory, &job->item_of, n + 1, sizeof(pbw_index)) || !pbwm2__add_component(job)) {
+    if (!PBWM2__RESERVE(job, job->item_of, n + 1) || !pbwm2__add_component(job)) {
         return 0;
     }
-    parent = PBWM2__INDICES(job->item_of);
+    parent = job->item_of.at;
     pbwm2__join_components(job, parent);
     for (i = 0; i < n; i++) {                        /* parents are numbered before: theirs is a component by now */
         pbwm2__triangle *t = job->t + i;
@@ -1556,7 +1521,7 @@ static int pbwm2__find_components(pbwm2__job *job)
 /* Fills item_of with the codes of the edges of segments, component by component. */
 static int pbwm2__list_borders(pbwm2__job *job)
 {
-    pbwm2__component *c = (pbwm2__component *)job->components.data;
+    pbwm2__component *c = job->components.at;
     size_t i, sum = 0;
     unsigned k;
     int fill;
@@ -1565,7 +1530,7 @@ static int pbwm2__list_borders(pbwm2__job *job)
             const pbwm2__triangle *t = job->t + i;
             for (k = 0; t->v[0] != PBW_NONE && k < 3; k++) {
                 if (t->edge[k] < PBWM2__BORDER && fill) {
-                    PBWM2__INDICES(job->item_of)[c[t->region].first + c[t->region].count++] = (pbw_index)(4 * i + k);
+                    job->item_of.at[c[t->region].first + c[t->region].count++] = (pbw_index)(4 * i + k);
                 } else if (t->edge[k] < PBWM2__BORDER) {
                     c[t->region].count++;
                 }
@@ -1577,7 +1542,7 @@ static int pbwm2__list_borders(pbwm2__job *job)
             c[i].count = 0;
         }
         job->item_of.count = 0;
-        if (!pbwm2__room(&job->memory, &job->item_of, sum, sizeof(pbw_index))) {
+        if (!PBWM2__RESERVE(job, job->item_of, sum)) {
             return 0;
         }
     }
@@ -1588,12 +1553,12 @@ static int pbwm2__list_borders(pbwm2__job *job)
 /* Sets or compares the winding number of a component beyond an edge; 0 if it has another one already. */
 static int pbwm2__set_winding(pbwm2__job *job, pbw_index component, int winding)
 {
-    pbwm2__component *c = (pbwm2__component *)job->components.data + component;
+    pbwm2__component *c = job->components.at + component;
     if (!c->known) {
         c->known = 1;
         c->winding = winding;
         job->stack.count++;
-        PBWM2__INDICES(job->stack)[job->stack.count - 1] = component;
+        job->stack.at[job->stack.count - 1] = component;
         return 1;
     }
     return c->winding == winding;
@@ -1603,8 +1568,8 @@ static int pbwm2__set_winding(pbwm2__job *job, pbw_index component, int winding)
    do. */
 static pbw_index pbwm2__wind(pbwm2__job *job)
 {
-    pbwm2__component *c = (pbwm2__component *)job->components.data;
-    const pbw_index *item = PBWM2__INDICES(job->item_of);
+    pbwm2__component *c = job->components.at;
+    const pbw_index *item = job->item_of.at;
     size_t at, i;
     job->stack.count = 0;
     (void)pbwm2__set_winding(job, 0, 0);
@@ -1617,7 +1582,7 @@ static pbw_index pbwm2__wind(pbwm2__job *job)
         }
     }
     for (at = 0; at < job->stack.count; at++) {
-        const pbw_index here = PBWM2__INDICES(job->stack)[at];
+        const pbw_index here = job->stack.at[at];
         for (i = c[here].first; i < c[here].first + c[here].count; i++) {
             const pbwm2__triangle *t = job->t + PBWM2__SLOT(item[i]);
             const unsigned k = PBWM2__SIDE(item[i]);
@@ -1674,8 +1639,8 @@ static pbw_index pbwm2__locate(const pbwm2__job *job, const double *q, pbw_index
    none, the components on both sides are joined, and share the least number. */
 static void pbwm2__assign_lefts(pbwm2__job *job)
 {
-    pbwm2__component *c = (pbwm2__component *)job->components.data;
-    pbw_index *parent = PBWM2__INDICES(job->stack);
+    pbwm2__component *c = job->components.at;
+    pbw_index *parent = job->stack.at;
     size_t i;
     unsigned k;
     for (i = 0; i < job->components.count; i++) {
@@ -1712,7 +1677,7 @@ static void pbwm2__assign_lefts(pbwm2__job *job)
 static pbw_status pbwm2__assign_seeds(pbwm2__job *job)
 {
     const pbw_plane_input *in = job->input;
-    pbwm2__component *c = (pbwm2__component *)job->components.data;
+    pbwm2__component *c = job->components.at;
     pbw_index slot = 0, found;
     size_t i;
     while (job->t[slot].v[0] == PBW_NONE) {
@@ -1743,7 +1708,7 @@ static pbw_status pbwm2__assign_seeds(pbwm2__job *job)
 /* Removes the triangles of dead components. */
 static void pbwm2__carve(pbwm2__job *job)
 {
-    const pbwm2__component *c = (const pbwm2__component *)job->components.data;
+    const pbwm2__component *c = job->components.at;
     size_t i;
     unsigned k;
     for (i = 0; i < job->triangles.count; i++) {
@@ -1774,7 +1739,7 @@ static pbw_status pbwm2__find_domain(pbwm2__job *job)
     size_t i;
     int dead = 0;
     if (!pbwm2__find_components(job) || (job->stack.count = 0,
-        !pbwm2__room(&job->memory, &job->stack, job->components.count, sizeof(pbw_index)))) {
+        !PBWM2__RESERVE(job, job->stack, job->components.count))) {
         return pbwm2__say(job, PBW_ERROR_MEMORY, NULL);
     }
     if (rule == PBW_PLANE_EVEN_ODD || rule == PBW_PLANE_NONZERO) {
@@ -1791,7 +1756,7 @@ static pbw_status pbwm2__find_domain(pbwm2__job *job)
         }
     }
     status = pbwm2__assign_seeds(job);
-    c = (pbwm2__component *)job->components.data;
+    c = job->components.at;
     for (i = 0; i < job->components.count; i++) {
         c[i].dead |= rule == PBW_PLANE_EVEN_ODD ? c[i].winding % 2 == 0
                    : rule == PBW_PLANE_NONZERO ? c[i].winding == 0 : rule == PBW_PLANE_SEEDS && i == 0;
@@ -1827,11 +1792,6 @@ static pbw_status pbwm2__find_domain(pbwm2__job *job)
    there are finitely many points.  Triangles flatter than that are left alone too, and encroach upon nothing: one ulp
    of a point can bring two segments so close together over their whole length.
    ------------------------------------------------------------------------------------------------------ */
-typedef struct pbwm2__host {               /* an edge of the constrained triangulation */
-    pbw_index a, b, edge;
-    int stuck;                             /* 1: a part of it could not be split, for want of digits */
-    int acute;                             /* 1: it meets another one at less than 60 degrees */
-} pbwm2__host;
 typedef struct pbwm2__boundary_edge { pbw_index u, v, link, edge, region; } pbwm2__boundary_edge;  /* of a cavity */
 enum { PBWM2__CLASSES = 64 };
 
@@ -1847,16 +1807,17 @@ typedef struct pbwm2__refiner {
     double growth;                         /* of sizes, per distance */
     int sizing;                            /* no angle was mended so far: sharp triangles are looked for later */
     uint64_t filled;                       /* bit: that class has triangles */
-    pbwm2__array class_of[PBWM2__CLASSES], large;    /* a slot and a mark each, see queues */
-    pbwm2__array splits;                   /* two ends each */
-    pbwm2__array slots, boundary, hits;    /* a cavity: its triangles, its border, segments encroached upon */
-    pbwm2__array lowered;                  /* vertices with smaller sizes, which may lower their neighbours' */
+    pbwm2__indices class_of[PBWM2__CLASSES], large;  /* a slot and a mark each, see queues */
+    pbwm2__indices splits;                 /* two ends each */
+    pbwm2__indices slots, hits;            /* a cavity: its triangles, segments encroached upon */
+    PBW_ARRAY(pbwm2__boundary_edge) boundary;        /* of the cavity */
+    pbwm2__indices lowered;                /* vertices with smaller sizes, which may lower their neighbours' */
     size_t inserted, moved, triangle_count;
 } pbwm2__refiner;
 
 static pbw_index pbwm2__host_of(const pbwm2__job *job, pbw_index edge)
 {
-    return job->hosts.count > 0 ? ((const pbwm2__host *)job->hosts.data)[edge].edge : edge;
+    return job->hosts.count > 0 ? job->hosts.at[edge].edge : edge;
 }
 
 static double pbwm2__distance2(const double *a, const double *b)
@@ -1872,18 +1833,18 @@ static const double *pbwm2__point(const pbwm2__refiner *r, pbw_index v)
 
 static pbw_index pbwm2__vertex_host(const pbwm2__refiner *r, pbw_index v)
 {
-    return PBWM2__INDICES(r->job->vertex_host)[v];
+    return r->job->vertex_host.at[v];
 }
 
 /* Returns whether there was no memory for an array: then all loops end. */
 static int pbwm2__failed(const pbwm2__refiner *r)
 {
-    return r->job->memory.fault != PBW_OK;
+    return r->job->fault != PBW_OK;
 }
 
-static void pbwm2__add(pbwm2__refiner *r, pbwm2__array *array, pbw_index item)
+static void pbwm2__add(pbwm2__refiner *r, pbwm2__indices *array, pbw_index item)
 {
-    (void)pbwm2__push(&r->job->memory, array, item);
+    (void)PBWM2__PUSH(r->job, *array, item);
 }
 
 /* Returns whether a point is in the lens of the segment u-v. */
@@ -1904,7 +1865,7 @@ static int pbwm2__is_flat(const pbwm2__refiner *r, const double *a, const double
 static int pbwm2__is_on_leg(const pbwm2__refiner *r, pbw_index v, pbw_index z, pbw_index host)
 {
     const pbwm2__job *job = r->job;
-    const pbwm2__host *hosts = (const pbwm2__host *)job->hosts.data;
+    const pbwm2__host *hosts = job->hosts.at;
     const pbw_index own = pbwm2__vertex_host(r, v);
     pbwm2__spin spin;
     if (own != PBWM2__INPUT) {
@@ -1933,7 +1894,7 @@ static int pbwm2__is_narrow(const pbwm2__refiner *r, const pbwm2__triangle *t, u
     const double *v = pbwm2__point(r, t->v[pbwm2__last[k]]);
     const double twice = (v[0] - u[0]) * (p[1] - u[1]) - (v[1] - u[1]) * (p[0] - u[0]);
     const double side2 = pbwm2__distance2(u, v);
-    const pbwm2__host *hosts = (const pbwm2__host *)r->job->hosts.data;
+    const pbwm2__host *hosts = r->job->hosts.at;
     int end, narrow = 0;
     for (end = 0; r->lens2 > 0 && t->edge[k] != PBW_NONE && end < 2 && !narrow; end++) {
         const pbw_index z = end == 0 ? hosts[t->edge[k]].a : hosts[t->edge[k]].b;
@@ -1956,7 +1917,7 @@ static int pbwm2__may_split(const pbwm2__refiner *r, pbw_index code)
     const unsigned flags = r->job->options->flags;
     const pbwm2__triangle *t = r->job->t + PBWM2__SLOT(code);
     const pbw_index beyond = t->link[PBWM2__SIDE(code)];
-    return !((const pbwm2__host *)r->job->hosts.data)[t->edge[PBWM2__SIDE(code)]].stuck
+    return !r->job->hosts.at[t->edge[PBWM2__SIDE(code)]].stuck
         && (flags & PBW_PLANE_KEEP_SEGMENTS) == 0 && ((flags & PBW_PLANE_KEEP_BOUNDARY) == 0 || beyond != PBW_NONE);
 }
 
@@ -1967,7 +1928,7 @@ static int pbwm2__may_split(const pbwm2__refiner *r, pbw_index code)
 static int pbwm2__are_twins(const pbwm2__refiner *r, pbw_index u, pbw_index w)
 {
     const pbw_index hu = pbwm2__vertex_host(r, u), hw = pbwm2__vertex_host(r, w);
-    const pbwm2__host *host = (const pbwm2__host *)r->job->hosts.data;
+    const pbwm2__host *host = r->job->hosts.at;
     double one, other;
     pbw_index z;
     if (hu >= PBWM2__INPUT || hw >= PBWM2__INPUT || hu == hw) {
@@ -2037,7 +1998,7 @@ static double pbwm2__area_for(const pbwm2__refiner *r, const pbwm2__triangle *t)
     double area = r->job->options->area;
     if (r->job->input->region_count > 0) {
         const pbw_index component = t->region & ~PBWM2__CAVITY;
-        const pbw_index seed = ((const pbwm2__component *)r->job->components.data)[component].seed;
+        const pbw_index seed = r->job->components.at[component].seed;
         const double there = seed < r->job->input->region_count ? r->job->input->regions[seed].area : 0;
         area = there > 0 && (!(area > 0) || there < area) ? there : area;
     }
@@ -2050,7 +2011,7 @@ static double pbwm2__size_for(const pbwm2__refiner *r, const pbwm2__triangle *t,
     const pbw_plane_options *o = r->job->options;
     double size = o->size, there;
     if (r->has_sizes) {
-        const double *sizes = PBWM2__DOUBLES(r->job->sizes);
+        const double *sizes = r->job->sizes.at;
         there = (sizes[t->v[0]] + sizes[t->v[1]] + sizes[t->v[2]]) / 3;
         size = !(size > 0) || there < size ? there : size;
     }
@@ -2095,7 +2056,7 @@ static pbw_index pbwm2__mark_of(const pbwm2__triangle *t)
     return t->v[0] + 2 * t->v[1] + 4 * t->v[2];
 }
 
-static void pbwm2__enqueue(pbwm2__refiner *r, pbwm2__array *queue, pbw_index slot)
+static void pbwm2__enqueue(pbwm2__refiner *r, pbwm2__indices *queue, pbw_index slot)
 {
     pbwm2__add(r, queue, slot);
     pbwm2__add(r, queue, pbwm2__mark_of(r->job->t + slot));
@@ -2103,9 +2064,9 @@ static void pbwm2__enqueue(pbwm2__refiner *r, pbwm2__array *queue, pbw_index slo
 
 /* Takes the last triangle off a queue.  Returns its slot, PBW_NONE if the slot has another triangle by now: that has
    its own entry.  Prefetches the fourth after it, and the points of the second. */
-static pbw_index pbwm2__dequeue(const pbwm2__refiner *r, pbwm2__array *queue)
+static pbw_index pbwm2__dequeue(const pbwm2__refiner *r, pbwm2__indices *queue)
 {
-    const pbw_index *item = PBWM2__INDICES(*queue) + (queue->count -= 2);
+    const pbw_index *item = queue->at + (queue->count -= 2);
     if (queue->count >= 8) {
         const pbwm2__triangle *t = r->job->t + item[-4];
         unsigned k;
@@ -2164,8 +2125,8 @@ static void pbwm2__dig(pbwm2__refiner *r, const double *p)
     unsigned k;
     r->boundary.count = 0;
     for (at = 0; at < r->slots.count && !pbwm2__failed(r); at++) {
-        const pbw_index slot = PBWM2__INDICES(r->slots)[at];
-        if (!pbwm2__room(&job->memory, &r->boundary, 3, sizeof(pbwm2__boundary_edge))) {
+        const pbw_index slot = r->slots.at[at];
+        if (!PBWM2__RESERVE(job, r->boundary, 3)) {
             return;
         }
         for (k = 0; k < 3; k++) {
@@ -2183,7 +2144,7 @@ static void pbwm2__dig(pbwm2__refiner *r, const double *p)
                 }
             }
             {
-                pbwm2__boundary_edge *side = (pbwm2__boundary_edge *)r->boundary.data + r->boundary.count++;
+                pbwm2__boundary_edge *side = r->boundary.at + r->boundary.count++;
                 side->u = t->v[pbwm2__next[k]];
                 side->v = t->v[pbwm2__last[k]];
                 side->link = link;
@@ -2198,14 +2159,14 @@ static void pbwm2__undig(pbwm2__refiner *r)
 {
     size_t i;
     for (i = 0; i < r->slots.count; i++) {
-        r->job->t[PBWM2__INDICES(r->slots)[i]].region &= ~PBWM2__CAVITY;
+        r->job->t[r->slots.at[i]].region &= ~PBWM2__CAVITY;
     }
 }
 
 /* Returns whether p sees every edge of the boundary from inside. */
 static int pbwm2__is_star(const pbwm2__refiner *r, const double *p)
 {
-    const pbwm2__boundary_edge *side = (const pbwm2__boundary_edge *)r->boundary.data;
+    const pbwm2__boundary_edge *side = r->boundary.at;
     size_t i;
     for (i = 0; i < r->boundary.count; i++) {
         if (pbwm2__orient_at(r->job, p, pbwm2__point(r, side[i].u), pbwm2__point(r, side[i].v)) <= 0) {
@@ -2221,23 +2182,21 @@ static pbw_index pbwm2__add_vertex(pbwm2__refiner *r, const double *at, pbw_inde
     pbwm2__job *job = r->job;
     const double p[2] = { at[0], at[1] };
     const size_t v = job->points.count;
-    (void)(pbwm2__room(&job->memory, &job->points, 1, 2 * sizeof(double))
-           && pbwm2__room(&job->memory, &job->incidents, 1, sizeof(pbw_index))
-           && pbwm2__room(&job->memory, &job->vertex_host, 1, sizeof(pbw_index))
-           && (!r->has_sizes || pbwm2__room(&job->memory, &job->sizes, 1, sizeof(double))));
-    job->p = PBWM2__DOUBLES(job->points);            /* they may be elsewhere, even if others did not grow */
-    job->incident = PBWM2__INDICES(job->incidents);
+    (void)(PBWM2__RESERVE(job, job->points, 1) && PBWM2__RESERVE(job, job->incidents, 1)
+           && PBWM2__RESERVE(job, job->vertex_host, 1) && (!r->has_sizes || PBWM2__RESERVE(job, job->sizes, 1)));
+    job->p = job->points.at[0];                      /* they may be elsewhere, even if others did not grow */
+    job->incident = job->incidents.at;
     if (v >= PBWM2__INPUT - 1) {
-        job->memory.fault = PBW_ERROR_TOO_LARGE;
+        job->fault = PBW_ERROR_TOO_LARGE;
     }
     if (pbwm2__failed(r)) {
         return PBW_NONE;
     }
-    memcpy(job->p + 2 * v, p, sizeof p);
+    memcpy(job->points.at[v], p, sizeof p);
     job->incident[v] = PBW_NONE;
-    PBWM2__INDICES(job->vertex_host)[v] = host;
+    job->vertex_host.at[v] = host;
     if (r->has_sizes) {
-        PBWM2__DOUBLES(job->sizes)[v] = size;
+        job->sizes.at[v] = size;
         job->sizes.count = v + 1;
     }
     job->points.count = job->incidents.count = job->vertex_host.count = v + 1;
@@ -2277,7 +2236,7 @@ static void pbwm2__legalise(pbwm2__refiner *r)
     size_t at;
     unsigned k;
     for (at = 0; at < r->slots.count && !pbwm2__failed(r); at++) {
-        const pbw_index slot = PBWM2__INDICES(r->slots)[at];
+        const pbw_index slot = r->slots.at[at];
         for (k = 0; k < 3; k++) {
             const pbwm2__triangle *t = job->t + slot;
             const pbw_index link = t->link[k];
@@ -2304,11 +2263,11 @@ static int pbwm2__refill_star(pbwm2__refiner *r, pbw_index p, pbw_index a, pbw_i
     }
     r->triangle_count += count - r->slots.count;
     for (i = 0; i < r->slots.count; i++) {
-        pbwm2__free_slot(job, PBWM2__INDICES(r->slots)[i]);
+        pbwm2__free_slot(job, r->slots.at[i]);
     }
     r->slots.count = 0;
     for (i = 0; i < count; i++) {
-        const pbwm2__boundary_edge side = ((const pbwm2__boundary_edge *)r->boundary.data)[i];
+        const pbwm2__boundary_edge side = r->boundary.at[i];
         const pbw_index slot = pbwm2__take_slot(job);
         pbwm2__triangle *t = job->t + slot;
         t->v[0] = p;
@@ -2325,7 +2284,7 @@ static int pbwm2__refill_star(pbwm2__refiner *r, pbw_index p, pbw_index a, pbw_i
         pbwm2__add(r, &r->slots, slot);
     }
     for (i = 0; i < count && !pbwm2__failed(r); i++) {
-        const pbw_index slot = PBWM2__INDICES(r->slots)[i], next = job->incident[job->t[slot].v[2]];
+        const pbw_index slot = r->slots.at[i], next = job->incident[job->t[slot].v[2]];
         if (job->t[next].v[0] == p && job->t[next].v[1] == job->t[slot].v[2]) {
             pbwm2__join(job, 4 * slot + 1, 4 * next + 2);
         } else {
@@ -2336,7 +2295,7 @@ static int pbwm2__refill_star(pbwm2__refiner *r, pbw_index p, pbw_index a, pbw_i
         pbwm2__legalise(r);
     }
     for (i = 0; i < r->slots.count && !pbwm2__failed(r); i++) {
-        pbwm2__examine(r, PBWM2__INDICES(r->slots)[i]);
+        pbwm2__examine(r, r->slots.at[i]);
     }
     r->inserted++;
     return 1;
@@ -2350,13 +2309,13 @@ static int pbwm2__is_good_fill(const pbwm2__job *job)
     size_t i;
     unsigned k;
     for (i = 0; i < job->fresh.count; i++) {
-        const pbwm2__triangle *t = job->t + PBWM2__INDICES(job->fresh)[i];
+        const pbwm2__triangle *t = job->t + job->fresh.at[i];
         if (pbwm2__orient(job, t->v[0], t->v[1], t->v[2]) <= 0) {
             return 0;
         }
     }
     for (i = 0; i < job->fresh.count; i++) {
-        const pbwm2__triangle *t = job->t + PBWM2__INDICES(job->fresh)[i];
+        const pbwm2__triangle *t = job->t + job->fresh.at[i];
         for (k = 0; k < 3; k++) {
             if (t->edge[k] == PBW_NONE && pbwm2__conflict(job, t->v[0], t->v[1], t->v[2],
                 job->t[PBWM2__SLOT(t->link[k])].v[PBWM2__SIDE(t->link[k])])) {
@@ -2381,13 +2340,13 @@ static int pbwm2__remove(pbwm2__refiner *r, pbw_index vertex)
         const pbwm2__triangle *t = job->t + PBWM2__SLOT(corner);
         const unsigned k = PBWM2__SIDE(corner);
         if (t->edge[pbwm2__next[k]] != PBW_NONE || !pbwm2__chain_push(job, 0, t->v[pbwm2__next[k]], corner)
-            || !pbwm2__push(&job->memory, &job->old, PBWM2__SLOT(corner))) {
+            || !PBWM2__PUSH(job, job->old, PBWM2__SLOT(corner))) {
             return 0;
         }
         corner = pbwm2__round(job, corner, 0);
     } while (corner != start);
     count = job->chain[0].count;
-    chain = (pbwm2__joint *)job->chain[0].data;
+    chain = job->chain[0].at;
     if (!pbwm2__reserve_slots(job, count)) {
         return 0;
     }
@@ -2407,7 +2366,7 @@ static int pbwm2__remove(pbwm2__refiner *r, pbw_index vertex)
     }
     if (!good) {                                     /* the old triangles are still there: link them again */
         for (i = 0; i < job->fresh.count; i++) {
-            pbwm2__free_slot(job, PBWM2__INDICES(job->fresh)[i]);
+            pbwm2__free_slot(job, job->fresh.at[i]);
         }
         for (corner = start, i = 0; i < count; i++) {
             const pbwm2__triangle *t = job->t + PBWM2__SLOT(corner);
@@ -2418,13 +2377,13 @@ static int pbwm2__remove(pbwm2__refiner *r, pbw_index vertex)
         return 0;
     }
     for (i = 0; i < count; i++) {
-        pbwm2__free_slot(job, PBWM2__INDICES(job->old)[i]);
+        pbwm2__free_slot(job, job->old.at[i]);
     }
     job->incident[vertex] = PBW_NONE;
     job->plane->report.removed++;
     r->triangle_count -= count - job->fresh.count;
     for (i = 0; i < job->fresh.count; i++) {
-        pbwm2__examine(r, PBWM2__INDICES(job->fresh)[i]);
+        pbwm2__examine(r, job->fresh.at[i]);
     }
     return 1;
 }
@@ -2460,7 +2419,7 @@ static void pbwm2__clear(pbwm2__refiner *r, pbw_index u, pbw_index v)
 static double pbwm2__size_of_region(const pbwm2__refiner *r, const pbwm2__triangle *t)
 {
     const pbwm2__job *job = r->job;
-    const pbwm2__component *c = (const pbwm2__component *)job->components.data + (t->region & ~PBWM2__CAVITY);
+    const pbwm2__component *c = job->components.at + (t->region & ~PBWM2__CAVITY);
     const double area = c->seed < job->input->region_count && job->options->gradation > 0
                       ? job->input->regions[c->seed].area : 0;
     return area > 0 ? 2.6321480259049848 * sqrt(area) : 1e60;          /* 2 * 3^(1/4) */
@@ -2477,7 +2436,7 @@ static double pbwm2__size_at(const pbwm2__refiner *r, pbw_index v)
 /* During refinement, ignores a fall of less than a twentieth: each new vertex makes paths slightly shorter. */
 static void pbwm2__lower(pbwm2__refiner *r, pbw_index v, double size)
 {
-    double *sizes = PBWM2__DOUBLES(r->job->sizes);
+    double *sizes = r->job->sizes.at;
     if (size < (r->inserted > 0 ? 0.95 : 1) * sizes[v]) {
         sizes[v] = size;
         pbwm2__add(r, &r->lowered, v);
@@ -2492,7 +2451,7 @@ static void pbwm2__spread(pbwm2__refiner *r)
     size_t at;
     unsigned k;
     for (at = 0; at < r->lowered.count && !pbwm2__failed(r); at++) {
-        const pbw_index v = PBWM2__INDICES(r->lowered)[at];
+        const pbw_index v = r->lowered.at[at];
         pbwm2__spin spin;
         spin.start = spin.corner = pbwm2__corner_of(job, v);
         spin.clockwise = 0;
@@ -2500,7 +2459,7 @@ static void pbwm2__spread(pbwm2__refiner *r)
             const pbwm2__triangle *t = job->t + PBWM2__SLOT(spin.corner);
             for (k = 0; k < 3; k++) {
                 const double apart = sqrt(pbwm2__distance2(pbwm2__point(r, v), pbwm2__point(r, t->v[k])));
-                pbwm2__lower(r, t->v[k], PBWM2__DOUBLES(job->sizes)[v] + r->growth * apart);
+                pbwm2__lower(r, t->v[k], job->sizes.at[v] + r->growth * apart);
             }
             if (r->inserted > 0 && pbwm2__is_large(r, t)) {
                 pbwm2__enqueue(r, &r->large, PBWM2__SLOT(spin.corner));
@@ -2515,7 +2474,7 @@ static void pbwm2__spread(pbwm2__refiner *r)
 static int pbwm2__grade(pbwm2__refiner *r, pbw_index v)
 {
     const pbwm2__job *job = r->job;
-    double *sizes = PBWM2__DOUBLES(job->sizes), most;
+    double *sizes = job->sizes.at, most;
     pbwm2__spin spin;
     unsigned k;
     if (!r->has_sizes) {
@@ -2607,10 +2566,10 @@ static double pbwm2__dig_edge(pbwm2__refiner *r, pbw_index code, const double *p
     }
     pbwm2__dig(r, point);
     for (i = 0; i < r->boundary.count; i++) {
-        const pbwm2__boundary_edge side = ((const pbwm2__boundary_edge *)r->boundary.data)[i];
+        const pbwm2__boundary_edge side = r->boundary.at[i];
         least = pbwm2__least(least, pbwm2__distance2(point, pbwm2__point(r, side.u)));
         if ((side.u != u || side.v != v) && (side.u != v || side.v != u)) {
-            ((pbwm2__boundary_edge *)r->boundary.data)[kept++] = side;
+            r->boundary.at[kept++] = side;
         }
     }
     r->boundary.count = kept;
@@ -2627,7 +2586,7 @@ static double pbwm2__dig_split(pbwm2__refiner *r, pbw_index code, const pbw_inde
     unsigned k = PBWM2__SIDE(code);
     pbw_index end[4] = { t->v[pbwm2__next[k]], t->v[pbwm2__last[k]], 0, 0 };
     double at = 0, apart2 = 0;
-    const int acute = ((const pbwm2__host *)job->hosts.data)[t->edge[k]].acute;
+    const int acute = job->hosts.at[t->edge[k]].acute;
     if (base != NULL) {
         memcpy(end + 2, base, 2 * sizeof *base);
     } else {
@@ -2679,12 +2638,12 @@ static int pbwm2__split_edge(pbwm2__refiner *r, pbw_index u, pbw_index v, const 
     at = pbwm2__dig_split(r, code, base, point);
     if (pbwm2__failed(r) || !pbwm2__is_star(r, point)) {
         pbwm2__undig(r);
-        ((pbwm2__host *)job->hosts.data)[edge].stuck = 1;
+        job->hosts.at[edge].stuck = 1;
         job->plane->report.short_edges++;
         return 0;
     }
     if (r->has_sizes) {
-        size = (1 - at) * PBWM2__DOUBLES(job->sizes)[u] + at * PBWM2__DOUBLES(job->sizes)[v];
+        size = (1 - at) * job->sizes.at[u] + at * job->sizes.at[v];
     }
     p = pbwm2__add_vertex(r, point, edge, size);
     return p != PBW_NONE && pbwm2__refill_star(r, p, u, v, edge) && pbwm2__grade(r, p);
@@ -2798,7 +2757,7 @@ static int pbwm2__is_mended(const pbwm2__refiner *r)
     unsigned k;
     double unused;
     for (i = 0; i < r->slots.count; i++) {
-        const pbwm2__triangle *t = r->job->t + PBWM2__INDICES(r->slots)[i];
+        const pbwm2__triangle *t = r->job->t + r->slots.at[i];
         if (pbwm2__orient(r->job, t->v[0], t->v[1], t->v[2]) <= 0 || pbwm2__is_sharp(r, t, &unused)
             || pbwm2__is_large(r, t)) {
             return 0;
@@ -2843,7 +2802,7 @@ static int pbwm2__move(pbwm2__refiner *r, pbw_index v)
     }
     pbwm2__legalise(r);
     for (i = 0; i < r->slots.count && !pbwm2__failed(r); i++) {
-        pbwm2__examine(r, PBWM2__INDICES(r->slots)[i]);
+        pbwm2__examine(r, r->slots.at[i]);
     }
     r->moved++;
     return pbwm2__grade(r, v);
@@ -2908,7 +2867,7 @@ static double pbwm2__size_in(const pbwm2__refiner *r, const pbwm2__triangle *t, 
         sum += weight[k];
     }
     for (k = 0; k < 3 && sum > 0; k++) {
-        size += weight[k] / sum * PBWM2__DOUBLES(r->job->sizes)[t->v[k]];
+        size += weight[k] / sum * r->job->sizes.at[t->v[k]];
     }
     return size;
 }
@@ -2932,7 +2891,7 @@ static int pbwm2__mend(pbwm2__refiner *r, pbw_index slot, unsigned shortest)
         pbwm2__dig_at(r, found);
         pbwm2__dig(r, point);
         for (i = 0; i < r->boundary.count; i++) {
-            const pbwm2__boundary_edge side = ((const pbwm2__boundary_edge *)r->boundary.data)[i];
+            const pbwm2__boundary_edge side = r->boundary.at[i];
             if (side.edge != PBW_NONE && pbwm2__in_lens(r, pbwm2__point(r, side.u), pbwm2__point(r, side.v), point)) {
                 pbwm2__add(r, &r->hits, side.u);
                 pbwm2__add(r, &r->hits, side.v);
@@ -2946,7 +2905,7 @@ static int pbwm2__mend(pbwm2__refiner *r, pbw_index slot, unsigned shortest)
         pbwm2__undig(r);
     }
     for (i = 0; i < r->hits.count && !done && !pbwm2__failed(r); i += 2) {
-        done = pbwm2__split_edge(r, PBWM2__INDICES(r->hits)[i], PBWM2__INDICES(r->hits)[i + 1], base);
+        done = pbwm2__split_edge(r, r->hits.at[i], r->hits.at[i + 1], base);
     }
     if (done && job->t[slot].v[0] != PBW_NONE) {
         pbwm2__examine(r, slot);                     /* it may be as bad as before */
@@ -3024,28 +2983,27 @@ static int pbwm2__find_hosts(pbwm2__refiner *r)
     size_t i;
     unsigned k;
     job->hosts.count = 0;
-    if (!pbwm2__room(&job->memory, &job->vertex_host, n, sizeof(pbw_index))) {
+    if (!PBWM2__RESERVE(job, job->vertex_host, n)) {
         return 0;
     }
     job->vertex_host.count = n;
     for (i = 0; i < n; i++) {
-        PBWM2__INDICES(job->vertex_host)[i] = PBWM2__INPUT;
+        job->vertex_host.at[i] = PBWM2__INPUT;
     }
     for (i = 0; i < job->triangles.count; i++) {
         for (k = 0; job->t[i].v[0] != PBW_NONE && k < 3; k++) {
             pbwm2__triangle *t = job->t + i;
             const pbw_index code = (pbw_index)(4 * i + k);
             if (t->edge[k] != PBW_NONE && code < t->link[k]) {
-                pbwm2__host *host;
-                if (!pbwm2__room(&job->memory, &job->hosts, 1, sizeof *host)) {
+                pbwm2__host host;
+                host.a = t->v[pbwm2__next[k]];
+                host.b = t->v[pbwm2__last[k]];
+                host.edge = t->edge[k];
+                host.stuck = host.acute = 0;
+                if (!PBWM2__PUSH(job, job->hosts, host)) {
                     return 0;
                 }
-                host = (pbwm2__host *)job->hosts.data + job->hosts.count;
-                host->a = t->v[pbwm2__next[k]];
-                host->b = t->v[pbwm2__last[k]];
-                host->edge = t->edge[k];
-                host->stuck = host->acute = 0;
-                pbwm2__mark_edge(job, code, (pbw_index)job->hosts.count++);
+                pbwm2__mark_edge(job, code, (pbw_index)job->hosts.count - 1);
             }
         }
     }
@@ -3056,7 +3014,7 @@ static int pbwm2__find_hosts(pbwm2__refiner *r)
 static void pbwm2__find_acute(pbwm2__refiner *r)
 {
     pbwm2__job *job = r->job;
-    pbwm2__host *hosts = (pbwm2__host *)job->hosts.data;
+    pbwm2__host *hosts = job->hosts.at;
     size_t i;
     for (i = 0; i < 4 * job->triangles.count; i++) {
         const pbwm2__triangle *t = job->t + i / 4;
@@ -3089,15 +3047,15 @@ static int pbwm2__find_sizes(pbwm2__refiner *r)
     size_t i;
     unsigned k;
     int more = 1;
-    if (!pbwm2__room(&job->memory, &job->sizes, n, sizeof(double))) {
+    if (!PBWM2__RESERVE(job, job->sizes, n)) {
         return 0;
     }
     r->has_sizes = 1;
     r->growth = job->options->gradation > 0 ? job->options->gradation : 0.3;
-    sizes = PBWM2__DOUBLES(job->sizes);
+    sizes = job->sizes.at;
     job->sizes.count = n;
     for (i = 0; i < n; i++) {
-        const pbw_index from = PBWM2__INDICES(job->original)[i];
+        const pbw_index from = job->original.at[i];
         const double size = given != NULL && from < job->input->point_count ? given[from] : 0;
         sizes[i] = fmin(size > 0 ? size : 1e60, pbwm2__size_at(r, (pbw_index)i));
     }
@@ -3212,8 +3170,8 @@ static pbw_status pbwm2__refine_all(pbwm2__refiner *r)
         }
         if (r->splits.count > 0) {
             r->splits.count -= 2;
-            pbwm2__split_edge(r, PBWM2__INDICES(r->splits)[r->splits.count],
-                              PBWM2__INDICES(r->splits)[r->splits.count + 1], NULL);
+            pbwm2__split_edge(r, r->splits.at[r->splits.count],
+                              r->splits.at[r->splits.count + 1], NULL);
         } else if (r->large.count > 0) {
             pbwm2__mend_large(r);
         } else if (r->sizing) {
@@ -3230,7 +3188,7 @@ static pbw_status pbwm2__refine_all(pbwm2__refiner *r)
             return PBW_ERROR_TOO_LARGE;
         }
     }
-    return job->memory.fault == PBW_OK ? PBW_OK : pbwm2__say(job, job->memory.fault, NULL);
+    return job->fault == PBW_OK ? PBW_OK : pbwm2__say(job, job->fault, NULL);
 }
 
 /* Counts the triangles that are not as wanted. */
@@ -3252,7 +3210,6 @@ static void pbwm2__count_faults(const pbwm2__refiner *r)
 static pbw_status pbwm2__refine(pbwm2__job *job)
 {
     pbwm2__refiner r;
-    pbwm2__memory *memory = &job->memory;
     pbw_status status;
     int i, graded;
     memset(&r, 0, sizeof r);
@@ -3272,17 +3229,17 @@ static pbw_status pbwm2__refine(pbwm2__job *job)
     status = status == PBW_OK ? pbwm2__refine_all(&r) : status;
     if (status == PBW_OK) {
         pbwm2__count_faults(&r);
-        status = job->memory.fault == PBW_OK ? PBW_OK : pbwm2__say(job, job->memory.fault, NULL);
+        status = job->fault == PBW_OK ? PBW_OK : pbwm2__say(job, job->fault, NULL);
     }
     for (i = 0; i < PBWM2__CLASSES; i++) {
-        pbwm2__release(memory, r.class_of + i);
+        PBW_RELEASE(&job->memory, r.class_of[i]);
     }
-    pbwm2__release(memory, &r.large);
-    pbwm2__release(memory, &r.splits);
-    pbwm2__release(memory, &r.slots);
-    pbwm2__release(memory, &r.boundary);
-    pbwm2__release(memory, &r.hits);
-    pbwm2__release(memory, &r.lowered);
+    PBW_RELEASE(&job->memory, r.large);
+    PBW_RELEASE(&job->memory, r.splits);
+    PBW_RELEASE(&job->memory, r.slots);
+    PBW_RELEASE(&job->memory, r.boundary);
+    PBW_RELEASE(&job->memory, r.hits);
+    PBW_RELEASE(&job->memory, r.lowered);
     return status;
 }
 
@@ -3292,10 +3249,13 @@ static pbw_status pbwm2__refine(pbwm2__job *job)
    Holds: triangles begin with their corner of least number along the curve, and are sorted by their corners, so the
    arrays are the same whatever the order in which segments went in.
    ------------------------------------------------------------------------------------------------------ */
-enum { PBWM2__POINTS, PBWM2__TRIANGLES, PBWM2__NEIGHBORS, PBWM2__CONSTRAINTS, PBWM2__REGIONS, PBWM2__EDGES,
-       PBWM2__EDGE_FIRST, PBWM2__EDGE_SEGMENTS, PBWM2__WINDINGS, PBWM2__SEEDS, PBWM2__CROSSINGS, PBWM2__OUTPUTS };
-
-typedef struct pbwm2__block { pbwm2__memory memory; pbwm2__array array[PBWM2__OUTPUTS]; } pbwm2__block;
+typedef struct pbwm2__block {
+    pbw_memory memory;
+    PBW_ARRAY(pbwm2__vector) points;
+    pbwm2__indices triangles, neighbors, constraints, regions, edges, edge_segments, seeds, crossings;
+    PBW_ARRAY(size_t) edge_first;
+    PBW_ARRAY(int) windings;
+} pbwm2__block;
 
 /* The code of the corner that comes first along the curve. */
 static pbw_index pbwm2__first_corner(const pbwm2__job *job, pbw_index slot)
@@ -3313,7 +3273,7 @@ static pbw_index pbwm2__second(const pbwm2__job *job, pbw_index code)
 /* Sorts triangles of one first corner, by its codes, by their second. */
 static int pbwm2__sort_fan(pbwm2__job *job, pbw_index *item, size_t count)
 {
-    pbwm2__array keys;
+    pbwm2__cuts keys;
     size_t i, j;
     int ok = 1;
     memset(&keys, 0, sizeof keys);
@@ -3327,11 +3287,11 @@ static int pbwm2__sort_fan(pbwm2__job *job, pbw_index *item, size_t count)
     for (i = 0; i < count && count > 32 && ok; i++) {
         ok = pbwm2__add_cut(job, &keys, pbwm2__second(job, item[i]), item[i], 0);
     }
-    pbwm2__sort((pbwm2__cut *)keys.data, keys.count);
+    pbwm2__sort(&keys);
     for (i = 0; i < keys.count && ok; i++) {
-        item[i] = ((const pbwm2__cut *)keys.data)[i].other;
+        item[i] = keys.at[i].other;
     }
-    pbwm2__release(&job->memory, &keys);
+    PBW_RELEASE(&job->memory, keys);
     return ok;
 }
 
@@ -3340,23 +3300,22 @@ static int pbwm2__sort_fan(pbwm2__job *job, pbw_index *item, size_t count)
 static int pbwm2__sort_triangles(pbwm2__job *job)
 {
     const size_t n = job->points.count, slots = job->triangles.count;
-    pbwm2__array heads;
+    pbwm2__indices heads;
     pbw_index *head, *next, *item;
     size_t i, count = 0;
     unsigned k;
     int ok = 1;
     memset(&heads, 0, sizeof heads);
     job->item_of.count = job->first_of.count = 0;
-    if (!pbwm2__room(&job->memory, &job->item_of, slots, sizeof *item)
-        || !pbwm2__room(&job->memory, &job->first_of, slots, sizeof *next)
-        || !pbwm2__room(&job->memory, &heads, n, sizeof *head)) {
-        pbwm2__release(&job->memory, &heads);
+    if (!PBWM2__RESERVE(job, job->item_of, slots) || !PBWM2__RESERVE(job, job->first_of, slots)
+        || !PBWM2__RESERVE(job, heads, n)) {
+        PBW_RELEASE(&job->memory, heads);
         return 0;
     }
     job->side_count = 0;
-    head = PBWM2__INDICES(heads);                    /* lists of codes of first corners, one for each vertex */
-    next = PBWM2__INDICES(job->first_of);
-    item = PBWM2__INDICES(job->item_of);
+    head = heads.at;                                 /* lists of codes of first corners, one for each vertex */
+    next = job->first_of.at;
+    item = job->item_of.at;
     memset(head, 255, n * sizeof *head);
     for (i = slots; i > 0 && ok; i--) {
         const pbwm2__triangle *t = job->t + i - 1;
@@ -3382,18 +3341,8 @@ static int pbwm2__sort_triangles(pbwm2__job *job)
         next[PBWM2__SLOT(item[i])] = (pbw_index)(4 * i + PBWM2__SIDE(item[i]));
     }
     job->item_of.count = count;
-    pbwm2__release(&job->memory, &heads);
+    PBW_RELEASE(&job->memory, heads);
     return ok;
-}
-
-static int pbwm2__out(pbwm2__job *job, pbwm2__block *block, int which, size_t count, size_t size)
-{
-    block->array[which].count = 0;
-    if (!pbwm2__room(&job->memory, block->array + which, count, size)) {
-        return 0;
-    }
-    block->array[which].count = count;
-    return 1;
 }
 
 /* Points, and for each vertex its number, in job->vertex: the caller's, then those of refinement that are in use. */
@@ -3401,26 +3350,24 @@ static int pbwm2__out_points(pbwm2__job *job, pbwm2__block *block)
 {
     const size_t n = job->given.count;
     size_t i, next = n;
-    double *p;
     job->vertex.count = 0;
-    if (!pbwm2__room(&job->memory, &job->vertex, job->points.count, sizeof(pbw_index))) {
+    if (!PBWM2__RESERVE(job, job->vertex, job->points.count)) {
         return 0;
     }
     for (i = 0; i < job->points.count; i++) {
-        PBWM2__INDICES(job->vertex)[i] = i < n ? PBWM2__INDICES(job->original)[i]
+        job->vertex.at[i] = i < n ? job->original.at[i]
                                       : job->incident[i] != PBW_NONE ? (pbw_index)next++ : PBW_NONE;
     }
-    if (!pbwm2__out(job, block, PBWM2__POINTS, 2 * next, sizeof(double))) {
+    if (!PBWM2__FIT(job, block->points, next + 1)) {
         return 0;
     }
-    p = PBWM2__DOUBLES(block->array[PBWM2__POINTS]);
-    memcpy(p, job->given.data, 2 * n * sizeof *p);
+    memcpy(block->points.at, job->given.at, n * sizeof(pbwm2__vector));
     for (i = n; i < job->points.count; i++) {
         if (job->incident[i] != PBW_NONE) {
-            memcpy(p + 2 * (size_t)PBWM2__INDICES(job->vertex)[i], job->p + 2 * i, 2 * sizeof *p);
+            memcpy(block->points.at[job->vertex.at[i]], job->points.at[i], sizeof(pbwm2__vector));
         }
     }
-    job->plane->points = p;
+    job->plane->points = block->points.at[0];
     job->plane->point_count = next;
     job->plane->report.steiner_count = next - n;
     return 1;
@@ -3429,54 +3376,52 @@ static int pbwm2__out_points(pbwm2__job *job, pbwm2__block *block)
 /* Regions are numbered as triangles come. */
 static int pbwm2__out_regions(pbwm2__job *job, pbwm2__block *block)
 {
-    const pbw_index *item = PBWM2__INDICES(job->item_of);
-    const pbwm2__component *component = (const pbwm2__component *)job->components.data;
+    const pbw_index *item = job->item_of.at;
+    const pbwm2__component *component = job->components.at;
     const size_t count = job->item_of.count;
     pbw_index *region, *renumber;
     size_t i, regions = 0;
     job->stack.count = 0;
-    if (!pbwm2__out(job, block, PBWM2__REGIONS, count, sizeof *region)
-        || !pbwm2__out(job, block, PBWM2__WINDINGS, job->components.count, sizeof(int))
-        || !pbwm2__out(job, block, PBWM2__SEEDS, job->components.count, sizeof *region)
-        || !pbwm2__room(&job->memory, &job->stack, job->components.count, sizeof *region)) {
+    if (!PBWM2__FIT(job, block->regions, count + 1) || !PBWM2__FIT(job, block->windings, job->components.count + 1)
+        || !PBWM2__FIT(job, block->seeds, job->components.count + 1)
+        || !PBWM2__RESERVE(job, job->stack, job->components.count)) {
         return 0;
     }
-    region = PBWM2__INDICES(block->array[PBWM2__REGIONS]);
-    renumber = PBWM2__INDICES(job->stack);
+    region = block->regions.at;
+    renumber = job->stack.at;
     memset(renumber, 255, job->components.count * sizeof *renumber);
     for (i = 0; i < count; i++) {
         const pbw_index c = job->t[PBWM2__SLOT(item[i])].region;
         if (renumber[c] == PBW_NONE) {
-            ((int *)block->array[PBWM2__WINDINGS].data)[regions] = component[c].winding;
-            PBWM2__INDICES(block->array[PBWM2__SEEDS])[regions] = component[c].seed;
+            block->windings.at[regions] = component[c].winding;
+            block->seeds.at[regions] = component[c].seed;
             renumber[c] = (pbw_index)regions++;
         }
         region[i] = renumber[c];
     }
     job->plane->regions = region;
     job->plane->region_count = regions;
-    job->plane->region_windings = (const int *)block->array[PBWM2__WINDINGS].data;
-    job->plane->region_seeds = PBWM2__INDICES(block->array[PBWM2__SEEDS]);
+    job->plane->region_windings = block->windings.at;
+    job->plane->region_seeds = block->seeds.at;
     return 1;
 }
 
 /* Fills old with the codes of the edges of segments, each in the earlier of its two triangles. */
 static int pbwm2__out_triangles(pbwm2__job *job, pbwm2__block *block)
 {
-    const pbw_index *item = PBWM2__INDICES(job->item_of), *number = PBWM2__INDICES(job->first_of);
-    const pbw_index *vertex = PBWM2__INDICES(job->vertex);
+    const pbw_index *item = job->item_of.at, *number = job->first_of.at;
+    const pbw_index *vertex = job->vertex.at;
     const size_t count = job->item_of.count;
     pbw_index *corner, *neighbor, *edge;
     size_t i, k, edges = 0;
     job->old.count = 0;
-    if (!pbwm2__out(job, block, PBWM2__TRIANGLES, 3 * count, sizeof *corner)
-        || !pbwm2__out(job, block, PBWM2__NEIGHBORS, 3 * count, sizeof *corner)
-        || !pbwm2__room(&job->memory, &job->old, job->side_count / 2 + 1, sizeof *edge)) {
+    if (!PBWM2__FIT(job, block->triangles, 3 * count + 1) || !PBWM2__FIT(job, block->neighbors, 3 * count + 1)
+        || !PBWM2__RESERVE(job, job->old, job->side_count / 2 + 1)) {
         return 0;
     }
-    corner = PBWM2__INDICES(block->array[PBWM2__TRIANGLES]);
-    neighbor = PBWM2__INDICES(block->array[PBWM2__NEIGHBORS]);
-    edge = PBWM2__INDICES(job->old);
+    corner = block->triangles.at;
+    neighbor = block->neighbors.at;
+    edge = job->old.at;
     for (i = 0; i < count && !pbwm2__step(job, 0.25 + pbwm2__share(i, 2 * count)); i++) {
         const pbwm2__triangle *t = job->t + PBWM2__SLOT(item[i]);
         unsigned side = PBWM2__SIDE(item[i]);
@@ -3521,14 +3466,14 @@ static void pbwm2__sort_indices(pbw_index *item, size_t count)        /* Shell 1
 }
 
 /* Adds the caller's segments on an edge to a list, ascending, each once. */
-static int pbwm2__out_segments(pbwm2__job *job, pbwm2__array *list, pbw_index edge)
+static int pbwm2__out_segments(pbwm2__job *job, pbwm2__indices *list, pbw_index edge)
 {
     const size_t first = list->count;
     size_t count, kept = 0, i;
     pbw_index *item;
     while (edge != PBW_NONE && edge != PBWM2__BORDER) {
         const pbw_index id = pbwm2__id_of(job, pbwm2__take_piece(job, &edge));
-        if (id != PBW_NONE && !pbwm2__push(&job->memory, list, id)) {
+        if (id != PBW_NONE && !PBWM2__PUSH(job, *list, id)) {
             return 0;
         }
     }
@@ -3536,7 +3481,7 @@ static int pbwm2__out_segments(pbwm2__job *job, pbwm2__array *list, pbw_index ed
     if (count == 0) {
         return 1;
     }
-    item = PBWM2__INDICES(*list);
+    item = list->at;
     pbwm2__sort_indices(item + first, count);
     for (i = 0; i < count; i++) {
         if (i == 0 || item[first + i] != item[first + i - 1]) {
@@ -3550,21 +3495,20 @@ static int pbwm2__out_segments(pbwm2__job *job, pbwm2__array *list, pbw_index ed
 /* Edges of segments, numbered as triangles have them, and the lists of their segments. */
 static int pbwm2__out_edges(pbwm2__job *job, pbwm2__block *block)
 {
-    const pbw_index *code = PBWM2__INDICES(job->old), *number = PBWM2__INDICES(job->first_of);
-    const pbw_index *vertex = PBWM2__INDICES(job->vertex);
+    const pbw_index *code = job->old.at, *number = job->first_of.at;
+    const pbw_index *vertex = job->vertex.at;
     const size_t count = job->old.count;
-    pbwm2__array *list = block->array + PBWM2__EDGE_SEGMENTS;
+    pbwm2__indices *list = &block->edge_segments;
     pbw_index *constraint, *end;
     size_t *first, i, k;
-    if (!pbwm2__out(job, block, PBWM2__CONSTRAINTS, 3 * job->item_of.count, sizeof *constraint)
-        || !pbwm2__out(job, block, PBWM2__EDGES, 2 * count, sizeof *end)
-        || !pbwm2__out(job, block, PBWM2__EDGE_FIRST, count + 1, sizeof *first)
-        || !pbwm2__room(&job->memory, list, count, sizeof *end)) {
+    if (!PBWM2__FIT(job, block->constraints, 3 * job->item_of.count + 1)
+        || !PBWM2__FIT(job, block->edges, 2 * count + 1)
+        || !PBWM2__FIT(job, block->edge_first, count + 1) || !PBWM2__FIT(job, *list, count + 1)) {
         return 0;
     }
-    constraint = PBWM2__INDICES(block->array[PBWM2__CONSTRAINTS]);
-    end = PBWM2__INDICES(block->array[PBWM2__EDGES]);
-    first = (size_t *)block->array[PBWM2__EDGE_FIRST].data;
+    constraint = block->constraints.at;
+    end = block->edges.at;
+    first = block->edge_first.at;
     memset(constraint, 255, 3 * job->item_of.count * sizeof *constraint);
     for (i = 0; i < count; i++) {
         const pbwm2__triangle *t = job->t + PBWM2__SLOT(code[i]);
@@ -3588,69 +3532,67 @@ static int pbwm2__out_edges(pbwm2__job *job, pbwm2__block *block)
     job->plane->edge_count = count;
     job->plane->edges = end;
     job->plane->edge_first = first;
-    job->plane->edge_segments = PBWM2__INDICES(*list);
+    job->plane->edge_segments = list->at;
     return 1;
 }
 
 static void pbwm2__block_free(pbwm2__block *block)
 {
-    pbwm2__memory memory = block->memory;
-    pbwm2__array self;
-    int i;
-    for (i = 0; i < PBWM2__OUTPUTS; i++) {
-        pbwm2__release(&memory, block->array + i);
-    }
-    self.data = block;
-    self.bytes = sizeof *block;
-    pbwm2__release(&memory, &self);
+    pbw_memory memory = block->memory;
+    PBW_RELEASE(&memory, block->points);
+    PBW_RELEASE(&memory, block->triangles);
+    PBW_RELEASE(&memory, block->neighbors);
+    PBW_RELEASE(&memory, block->constraints);
+    PBW_RELEASE(&memory, block->regions);
+    PBW_RELEASE(&memory, block->edges);
+    PBW_RELEASE(&memory, block->edge_segments);
+    PBW_RELEASE(&memory, block->seeds);
+    PBW_RELEASE(&memory, block->crossings);
+    PBW_RELEASE(&memory, block->edge_first);
+    PBW_RELEASE(&memory, block->windings);
+    (void)pbw_memory_resize(&memory, block, 1, 0, sizeof *block);
 }
 
 /* Hands over the result, or after a failure the crossings.  If memory is short, plane has only what and crossings. */
 static pbw_status pbwm2__hand_over(pbwm2__job *job, pbw_status status)
 {
-    pbwm2__array self;
     pbwm2__block *block;
-    int ok = 1, i;
-    if (status == PBW_OK && job->memory.fault != PBW_OK) {
-        status = pbwm2__say(job, job->memory.fault, NULL);
+    int ok = 1;
+    if (status == PBW_OK && job->fault != PBW_OK) {
+        status = pbwm2__say(job, job->fault, NULL);
     }
     if (status != PBW_OK && status != PBW_DEGENERATE && job->crossings.count == 0) {
         return status;
     }
-    memset(&self, 0, sizeof self);
-    if (!pbwm2__resize(&job->memory, &self, sizeof *block)) {
+    block = (pbwm2__block *)pbw_memory_resize(&job->memory, NULL, 0, 1, sizeof *block);
+    if (block == NULL) {
         return pbwm2__say(job, PBW_ERROR_MEMORY, NULL);
     }
-    block = (pbwm2__block *)self.data;
     memset(block, 0, sizeof *block);
     job->stage = PBW_STAGE_OUTPUT;
     if (status == PBW_OK) {
         ok = pbwm2__sort_triangles(job) && pbwm2__out_points(job, block) && pbwm2__out_triangles(job, block)
           && pbwm2__out_regions(job, block) && pbwm2__out_edges(job, block);
     } else if (status == PBW_DEGENERATE) {
-        ok = pbwm2__out(job, block, PBWM2__POINTS, 2 * job->given.count, sizeof(double));
-        if (ok && job->given.count > 0) {
-            memcpy(block->array[PBWM2__POINTS].data, job->given.data, 2 * job->given.count * sizeof(double));
+        ok = PBWM2__FIT(job, block->points, job->given.count + 1);
+        if (ok) {
+            memcpy(block->points.at, job->given.at, job->given.count * sizeof(pbwm2__vector));
+            job->plane->points = block->points.at[0];
         }
-        job->plane->points = PBWM2__DOUBLES(block->array[PBWM2__POINTS]);
         job->plane->point_count = job->given.count;
     }
-    block->array[PBWM2__CROSSINGS] = job->crossings;
+    block->crossings = job->crossings;
     memset(&job->crossings, 0, sizeof job->crossings);
     block->memory = job->memory;
     if (!ok) {
         pbwm2__block_free(block);
         memset(job->plane, 0, sizeof *job->plane);
-        return pbwm2__say(job, job->memory.fault != PBW_OK ? job->memory.fault : PBW_ERROR_MEMORY, NULL);
+        return pbwm2__say(job, job->fault != PBW_OK ? job->fault : PBW_ERROR_MEMORY, NULL);
     }
-    job->plane->crossings = PBWM2__INDICES(block->array[PBWM2__CROSSINGS]);
-    job->plane->crossing_count = block->array[PBWM2__CROSSINGS].count / 2;
+    job->plane->crossings = block->crossings.at;
+    job->plane->crossing_count = block->crossings.count / 2;
     job->plane->input_count = job->input->point_count;
     job->plane->memory = block;
-    job->plane->bytes = sizeof *block;
-    for (i = 0; i < PBWM2__OUTPUTS; i++) {
-        job->plane->bytes += block->array[i].bytes;
-    }
     return status;
 }
 
@@ -3697,14 +3639,13 @@ static pbw_status pbwm2__copy_input(pbwm2__job *job)
     const size_t n = in->point_count, stride = job->build->stride != 0 ? job->build->stride : 2 * sizeof(double);
     pbwm2__piece *segment;
     size_t i;
-    if (!pbwm2__room(&job->memory, &job->given, n, 2 * sizeof(double))
-        || !pbwm2__room(&job->memory, &job->segments, in->segment_count, sizeof *segment)) {
+    if (!PBWM2__FIT(job, job->given, n + 1) || !PBWM2__FIT(job, job->segments, in->segment_count + 1)) {
         return pbwm2__say(job, PBW_ERROR_MEMORY, NULL);
     }
     for (i = 0; i < n; i++) {
-        memcpy(PBWM2__DOUBLES(job->given) + 2 * i, (const char *)in->points + i * stride, 2 * sizeof(double));
+        memcpy(job->given.at[i], (const char *)in->points + i * stride, 2 * sizeof(double));
     }
-    segment = (pbwm2__piece *)job->segments.data;
+    segment = job->segments.at;
     for (i = 0; i < in->segment_count; i++) {
         segment[i].a = in->segments[2 * i];
         segment[i].b = in->segments[2 * i + 1];
@@ -3717,15 +3658,27 @@ static pbw_status pbwm2__copy_input(pbwm2__job *job)
 
 static void pbwm2__job_free(pbwm2__job *job)
 {
-    pbwm2__array *arrays[] = { &job->triangles, &job->points, &job->incidents, &job->given, &job->segments,
-                              &job->original, &job->vertex, &job->pieces, &job->groups, &job->chain[0],
-                              &job->chain[1], &job->stack, &job->old, &job->crossings,
-                              &job->first_of, &job->item_of,
-                              &job->components, &job->fresh, &job->hosts, &job->vertex_host, &job->sizes };
-    size_t i;
-    for (i = 0; i < sizeof arrays / sizeof *arrays; i++) {
-        pbwm2__release(&job->memory, arrays[i]);
-    }
+    PBW_RELEASE(&job->memory, job->triangles);
+    PBW_RELEASE(&job->memory, job->points);
+    PBW_RELEASE(&job->memory, job->incidents);
+    PBW_RELEASE(&job->memory, job->given);
+    PBW_RELEASE(&job->memory, job->segments);
+    PBW_RELEASE(&job->memory, job->original);
+    PBW_RELEASE(&job->memory, job->vertex);
+    PBW_RELEASE(&job->memory, job->pieces);
+    PBW_RELEASE(&job->memory, job->groups);
+    PBW_RELEASE(&job->memory, job->chain[0]);
+    PBW_RELEASE(&job->memory, job->chain[1]);
+    PBW_RELEASE(&job->memory, job->stack);
+    PBW_RELEASE(&job->memory, job->old);
+    PBW_RELEASE(&job->memory, job->fresh);
+    PBW_RELEASE(&job->memory, job->crossings);
+    PBW_RELEASE(&job->memory, job->hosts);
+    PBW_RELEASE(&job->memory, job->vertex_host);
+    PBW_RELEASE(&job->memory, job->sizes);
+    PBW_RELEASE(&job->memory, job->first_of);
+    PBW_RELEASE(&job->memory, job->item_of);
+    PBW_RELEASE(&job->memory, job->components);
 }
 
 PBWMESH2DEF pbw_status pbw_plane_make(const pbw_plane_input *input, const pbw_plane_options *options,
@@ -3746,7 +3699,7 @@ PBWMESH2DEF pbw_status pbw_plane_make(const pbw_plane_input *input, const pbw_pl
     job.input = input;
     job.options = options != NULL ? options : &defaults;
     job.build = job.options->build != NULL ? job.options->build : &build;
-    pbw_memory_start(&job.memory.memory, job.build);
+    pbw_memory_start(&job.memory, job.build);
     job.stage = PBW_STAGE_WORK;
     if (input == NULL) {
         return pbwm2__say(&job, PBW_ERROR_ARGUMENT, "no input");
@@ -3766,6 +3719,10 @@ PBWMESH2DEF pbw_status pbw_plane_make(const pbw_plane_input *input, const pbw_pl
     }
     status = pbwm2__hand_over(&job, status);
     pbwm2__job_free(&job);
+    if (plane->memory != NULL) {
+        ((pbwm2__block *)plane->memory)->memory = job.memory;
+        plane->bytes = job.memory.used;
+    }
     return status;
 }
 
@@ -3775,12 +3732,14 @@ PBWMESH2DEF pbw_status pbw_plane_rings(const double *points, const size_t *first
     pbw_plane_options own;
     pbw_plane_input input;
     pbw_options build;
+    pbwm2__indices segments;
     pbwm2__job job;                                  /* for its memory */
     pbw_status status;
     size_t i, k;
     memset(&input, 0, sizeof input);
     memset(&own, 0, sizeof own);
     memset(&build, 0, sizeof build);
+    memset(&segments, 0, sizeof segments);
     memset(&job, 0, sizeof job);
     own = options != NULL ? *options : own;
     own.rule = own.rule == PBW_PLANE_HULL ? PBW_PLANE_EVEN_ODD : own.rule;
@@ -3794,26 +3753,26 @@ PBWMESH2DEF pbw_status pbw_plane_rings(const double *points, const size_t *first
     }
     build = own.build != NULL ? *own.build : build;
     own.build = &build;
-    pbw_memory_start(&job.memory.memory, &build);
+    pbw_memory_start(&job.memory, &build);
     input.points = points;
     input.point_count = ring_count > 0 ? first[ring_count] : 0;
     if (input.point_count > PBW_NONE / 4) {
         return pbwm2__say(&job, PBW_ERROR_TOO_LARGE, NULL);
     }
-    if (!pbwm2__room(&job.memory, &job.segments, input.point_count, 2 * sizeof(pbw_index))) {
+    if (!PBW_FIT(&job.memory, segments, 2 * input.point_count + 1)) {
         return pbwm2__say(&job, PBW_ERROR_MEMORY, NULL);
     }
     for (i = 0; i < ring_count; i++) {
         for (k = first[i]; k < first[i + 1]; k++) {
-            PBWM2__INDICES(job.segments)[2 * k] = (pbw_index)k;
-            PBWM2__INDICES(job.segments)[2 * k + 1] = (pbw_index)(k + 1 < first[i + 1] ? k + 1 : first[i]);
+            segments.at[2 * k] = (pbw_index)k;
+            segments.at[2 * k + 1] = (pbw_index)(k + 1 < first[i + 1] ? k + 1 : first[i]);
         }
     }
-    input.segments = PBWM2__INDICES(job.segments);
+    input.segments = segments.at;
     input.segment_count = input.point_count;
     status = !pbwm2__limit_rest(&job, &build) ? pbwm2__say(&job, PBW_ERROR_MEMORY, NULL)
            : pbw_plane_make(&input, &own, plane);
-    pbwm2__release(&job.memory, &job.segments);
+    PBW_RELEASE(&job.memory, segments);
     return status;
 }
 
