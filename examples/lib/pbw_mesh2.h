@@ -348,17 +348,6 @@ static double pbwm2__share(size_t i, size_t count)
     return (double)i / (double)count;
 }
 
-/* Limits a call of pbw.h to the memory that the job does not hold.  Returns 0 if there is none. */
-static int pbwm2__limit_rest(pbwm2__job *job, pbw_options *options)
-{
-    if (job->memory.limit != 0 && job->memory.used >= job->memory.limit) {
-        job->fault = PBW_ERROR_MEMORY;
-        return 0;
-    }
-    options->memory_limit = job->memory.limit != 0 ? job->memory.limit - job->memory.used : 0;
-    return 1;
-}
-
 /* Takes a free slot, which the caller has reserved.  Invalidates no pointer. */
 static pbw_index pbwm2__take_slot(pbwm2__job *job)
 {
@@ -917,9 +906,7 @@ static pbw_status pbwm2__triangulate(pbwm2__job *job)
     options.flags = (options.flags & PBW_BACKEND_OR_CPU) | PBW_CURVE_ORDER;
     options.stride = 0;
     options.trace = NULL;
-    if (!pbwm2__limit_rest(job, &options)) {
-        return pbwm2__say(job, PBW_ERROR_MEMORY, NULL);
-    }
+    options.memory_limit = pbw_memory_left(&job->memory);
     status = pbw_triangulate(2, job->given.at[0], NULL, job->given.count, &options, &mesh);
     if (status == PBW_OK) {
         const size_t held = mesh.statistics.peak_bytes;          /* at most: the mesh has some of them */
@@ -1081,8 +1068,8 @@ static pbw_status pbwm2__build_tree(pbwm2__job *job, pbwm2__tree *tree)
         }
     }
     options.stride = 0;
-    status = !pbwm2__limit_rest(job, &options) ? PBW_ERROR_MEMORY
-           : pbw_order(2, middles.at[0], m, &options, tree->order.at);
+    options.memory_limit = pbw_memory_left(&job->memory);
+    status = pbw_order(2, middles.at[0], m, &options, tree->order.at);
     PBW_RELEASE(&job->memory, middles);
     box = tree->boxes.at;
     for (i = 0; status == PBW_OK && i < m; i++) {
@@ -2408,8 +2395,8 @@ static void pbwm2__clear(pbwm2__refiner *r, pbw_index u, pbw_index v)
 
 /* ------------------------------------------------------------------------------------------------------
    >>steps        Steps of refinement: sizes at vertices, splits of segments, moves and insertions of points.
-   In: the state and the tools of the room before.  Out: a segment split, a triangle mended.
-   Holds: what that room says.
+   In: the state and the tools of the section before.  Out: a segment split, a triangle mended.
+   Holds: what that section says.
    ------------------------------------------------------------------------------------------------------ */
 
 /* ---- sizes at vertices */
@@ -2915,8 +2902,9 @@ static int pbwm2__mend(pbwm2__refiner *r, pbw_index slot, unsigned shortest)
 
 /* ------------------------------------------------------------------------------------------------------
    >>loop         The loop of refinement.
-   In: the domain, the steps of the room before.  Out: the refined domain, or that it would have too many triangles.
-   Holds: what the first of these rooms says.
+   In: the domain, the steps of the section before.  Out: the refined domain, or that it would have too many
+   triangles.
+   Holds: what the first of these sections says.
    ------------------------------------------------------------------------------------------------------ */
 static void pbwm2__mend_sharp(pbwm2__refiner *r)
 {
@@ -3770,8 +3758,8 @@ PBWMESH2DEF pbw_status pbw_plane_rings(const double *points, const size_t *first
     }
     input.segments = segments.at;
     input.segment_count = input.point_count;
-    status = !pbwm2__limit_rest(&job, &build) ? pbwm2__say(&job, PBW_ERROR_MEMORY, NULL)
-           : pbw_plane_make(&input, &own, plane);
+    build.memory_limit = pbw_memory_left(&job.memory);
+    status = pbw_plane_make(&input, &own, plane);
     PBW_RELEASE(&job.memory, segments);
     return status;
 }
