@@ -49,7 +49,7 @@
      >>polytopes    polytopes, and cuts by planes
      >>stars        the simplices at a vertex
      >>volumes      volumes from stars
-     >>shares       volumes from simplices
+     >>totals       volumes from simplices
      >>facets       facets of cells that are not cut
      >>cuts         cells cut from the domain
      >>true         cut cells of the true diagram
@@ -287,8 +287,8 @@ PBW_INLINE int pbwc__centre_of(const pbw_mesh *mesh, size_t dim, pbw_index simpl
    A number is a sign and limbs of 32 bits: sign * sum of limb[i] * 2^(32 (low + i)); the first and the last limb are
    not 0.  Every double is one, and so are sums and products: nothing is rounded, over- or underflows.
    In: at most products of five coordinates or differences of two, and sums of a few hundred of them.  Out: signs.
-   A double has bits from 2^-1074 to 2^1023, so five factors have less than 10,500 bits, 329 limbs; PBWC__LIMBS has
-   room for sums.
+   A double has bits from 2^-1074 to 2^1023, so five factors have less than 10,500 bits, 329 limbs; PBWC__LIMBS is
+   enough for sums.
    ------------------------------------------------------------------------------------------------------ */
 #define PBWC__LIMBS 336
 
@@ -327,9 +327,9 @@ static void pbwc__exact_of(double x, pbwc__exact *a)
     pbwc__trim(a);
 }
 
-PBW_INLINE uint32_t pbwc__limb(const pbwc__exact *a, int place)
+PBW_INLINE uint32_t pbwc__limb(const pbwc__exact *a, int i)
 {
-    return place >= a->low && place < a->low + a->count ? a->limb[place - a->low] : 0;
+    return i >= a->low && i < a->low + a->count ? a->limb[i - a->low] : 0;
 }
 
 /* Adds sign * b to a. */
@@ -476,7 +476,7 @@ static size_t pbwc__loop_end(const pbwc__poly *poly, size_t facet)
     return facet + 1 < poly->start.count ? poly->start.at[facet + 1] : poly->loop.count;
 }
 
-static int pbwc__open_facet(pbw_memory *memory, pbwc__poly *poly, pbw_index name)
+static int pbwc__begin_facet(pbw_memory *memory, pbwc__poly *poly, pbw_index name)
 {
     return PBW_PUSH(memory, poly->start, (pbw_index)poly->loop.count) && PBW_PUSH(memory, poly->name, name);
 }
@@ -500,13 +500,13 @@ static int pbwc__poly_box(pbw_memory *memory, pbwc__poly *poly, int dim, const d
         }
     }
     for (i = 0; dim == 3 && i < 24; i++) {
-        if ((i % 4 == 0 && !pbwc__open_facet(memory, poly, PBW_NONE - 1 - i / 4))
+        if ((i % 4 == 0 && !pbwc__begin_facet(memory, poly, PBW_NONE - 1 - i / 4))
             || !PBW_PUSH(memory, poly->loop, face[i / 4][i % 4])) {
             return 0;
         }
     }
     for (i = 0; dim == 2 && i < 4; i++) {
-        if (!pbwc__open_facet(memory, poly, PBW_NONE - 1 - edge[i][1])
+        if (!pbwc__begin_facet(memory, poly, PBW_NONE - 1 - edge[i][1])
             || !PBW_PUSH(memory, poly->loop, edge[i][0])) {
             return 0;
         }
@@ -584,7 +584,8 @@ static int pbwc__cut_loop(pbw_memory *memory, pbwc__cutter *cutter, size_t facet
     if (!inside) {                                   /* at most an edge of it is left */
         return 1;
     }
-    if (!PBW_RESERVE(memory, cutter->next.loop, 2 * (end - begin)) || !pbwc__open_facet(memory, &cutter->next, own)) {
+    if (!PBW_RESERVE(memory, cutter->next.loop, 2 * (end - begin))
+        || !pbwc__begin_facet(memory, &cutter->next, own)) {
         return 0;
     }
     out = cutter->next.loop.at + cutter->next.loop.count;
@@ -630,13 +631,14 @@ static int pbwc__cut_polygon(pbw_memory *memory, pbwc__cutter *cutter, pbw_index
     for (i = 0; i < count && inside; i++) {
         const pbw_index *loop = cutter->poly.loop.at;
         const pbw_index a = loop[i], b = loop[i + 1 < count ? i + 1 : 0], edge = cutter->poly.name.at[i];
-        if (!(side[a] > 0) && (!pbwc__open_facet(memory, &cutter->next, !(side[a] < 0) && side[b] > 0 ? name : edge)
-                               || !PBW_PUSH(memory, cutter->next.loop, a))) {
+        if (!(side[a] > 0)
+            && (!pbwc__begin_facet(memory, &cutter->next, !(side[a] < 0) && side[b] > 0 ? name : edge)
+                || !PBW_PUSH(memory, cutter->next.loop, a))) {
             return 0;
         }
         if ((side[a] > 0 && side[b] < 0) || (side[a] < 0 && side[b] > 0)) {
             const pbw_index cut = pbwc__cut_edge(memory, cutter, a, b, edge, name);
-            if (cut == PBW_NONE || !pbwc__open_facet(memory, &cutter->next, side[b] > 0 ? name : edge)
+            if (cut == PBW_NONE || !pbwc__begin_facet(memory, &cutter->next, side[b] > 0 ? name : edge)
                 || !PBW_PUSH(memory, cutter->next.loop, cut)) {
                 return 0;
             }
@@ -655,7 +657,7 @@ static int pbwc__cut_cap(pbw_memory *memory, pbwc__cutter *cutter, pbw_index nam
         if (after[i] == PBW_NONE) {
             continue;
         }
-        if (!pbwc__open_facet(memory, &cutter->next, name)) {
+        if (!pbwc__begin_facet(memory, &cutter->next, name)) {
             return 0;
         }
         for (at = i; after[at] != PBW_NONE; at = then) {
@@ -819,13 +821,13 @@ static void pbwc__map_clear(pbwc__map *map)
 /* The other corners of a simplex, so that corner i followed by them is positively oriented. */
 static const unsigned char pbwc__other3[4][3] = { { 1, 2, 3 }, { 0, 3, 2 }, { 3, 0, 1 }, { 2, 1, 0 } };
 
-typedef struct pbwc__share { double sum[4]; pbw_index vertex; unsigned flags; } pbwc__share; /* moments, volume */
-typedef PBW_ARRAY(pbwc__share) pbwc__shares;
+typedef struct pbwc__total { double sum[4]; pbw_index vertex; unsigned flags; } pbwc__total; /* moments, volume */
+typedef PBW_ARRAY(pbwc__total) pbwc__totals;
 
 typedef struct pbwc__range {               /* the cells of a range, in their order */
     pbwc__indices cells, neighbors, loop_counts, loops;              /* cells: their points */
     pbwc__doubles areas, vertices, rays;
-    pbwc__shares shares;                   /* for volumes alone: of vertices that are shared or left */
+    pbwc__totals totals;                   /* for volumes alone: of vertices that are shared or left */
 } pbwc__range;
 
 typedef struct pbwc__end { int side, leaves, visit; } pbwc__end;     /* of a chain, at a link */
@@ -933,7 +935,7 @@ struct pbwc__job {
     size_t *first;
     pbwc__sizes entries;                   /* with shapes, per point: where its loops' entries begin */
     pbwc__bytes cut;                       /* per point: was its cell cut? */
-    pbwc__bytes states;                    /* for volumes alone: flags of each point's shares */
+    pbwc__bytes states;                    /* for volumes alone: flags of each point's totals */
     pbwc__indices left;                    /* and cells left for stars */
 };
 
@@ -1059,8 +1061,8 @@ PBW_INLINE pbwc__link *pbwc__add_link(pbwc__work *work, size_t dim, pbw_index ve
 PBW_INLINE pbw_index pbwc__across(const pbw_mesh *mesh, pbw_index simplex, pbw_index vertex)
 {
     const pbw_index *corner = mesh->simplices + 4 * (size_t)simplex;
-    const unsigned place = (corner[1] == vertex) + 2u * (corner[2] == vertex) + 3u * (corner[3] == vertex);
-    return mesh->neighbors[4 * (size_t)simplex + place];
+    const unsigned i = (corner[1] == vertex) + 2u * (corner[2] == vertex) + 3u * (corner[3] == vertex);
+    return mesh->neighbors[4 * (size_t)simplex + i];
 }
 
 PBW_INLINE void pbwc__prefetch(const pbw_mesh *mesh, pbw_index simplex)
@@ -1229,8 +1231,9 @@ static int pbwc__gather3(pbwc__work *work)
 
 /* ---- in the plane */
 
-/* The place of v in a triangle; the next triangle counter-clockwise around v is across from the corner after it. */
-PBW_INLINE unsigned pbwc__place2(const pbw_mesh *mesh, pbw_index simplex, pbw_index v)
+/* Returns which corner of a triangle v is; the next triangle counter-clockwise around v is across from the corner
+   after it. */
+PBW_INLINE unsigned pbwc__corner2(const pbw_mesh *mesh, pbw_index simplex, pbw_index v)
 {
     const pbw_index *corner = mesh->simplices + 3 * (size_t)simplex;
     return (corner[1] == v) + 2u * (corner[2] == v);
@@ -1253,13 +1256,13 @@ static int pbwc__gather2(pbwc__work *work)
                 return 0;
             }
             part = work->parts.at + work->parts.count++;
-            next = mesh->neighbors[3 * (size_t)at + (pbwc__place2(mesh, at, v) + 1) % 3];
+            next = mesh->neighbors[3 * (size_t)at + (pbwc__corner2(mesh, at, v) + 1) % 3];
             part->simplex = at;
             work->flags &= pbwc__from_site(work->job, work->centres.at, 2, site, at, part->centre);
             at = next;
         } while (at != PBW_NONE && at != first);
         while (round == 0 && next == PBW_NONE        /* back to the hull at the other end, then again from there */
-               && (at = mesh->neighbors[3 * (size_t)first + (pbwc__place2(mesh, first, v) + 2) % 3]) != PBW_NONE) {
+               && (at = mesh->neighbors[3 * (size_t)first + (pbwc__corner2(mesh, first, v) + 2) % 3]) != PBW_NONE) {
             first = at;
         }
     }
@@ -1272,8 +1275,8 @@ static int pbwc__add_side(pbwc__work *work, size_t part, unsigned after, int fro
 {
     const pbw_mesh *mesh = work->job->mesh;
     const pbw_index simplex = work->parts.at[part].simplex;
-    const unsigned place = (pbwc__place2(mesh, simplex, work->site) + 1 + after) % 3;
-    pbwc__link *link = pbwc__add_link(work, 2, mesh->simplices[3 * (size_t)simplex + place]);
+    const unsigned corner = (pbwc__corner2(mesh, simplex, work->site) + 1 + after) % 3;
+    pbwc__link *link = pbwc__add_link(work, 2, mesh->simplices[3 * (size_t)simplex + corner]);
     if (link == NULL) {
         return 0;
     }
@@ -1400,7 +1403,7 @@ static int pbwc__star_volume(pbwc__work *work)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   >>shares       Volumes and centroids alone, in space: one pass over the simplices, without stars.
+   >>totals       Volumes and centroids alone, in space: one pass over the simplices, without stars.
    A simplex adds to the cells of its corners.  Let S be its centre, F the foot of S on the facet i j k, and M where
    the plane between the cells crosses the edge i j.  Cell i gets the signed tetrahedron i M F S; those of all
    simplices at i fill its cell.  With n the facet's inward normal, as long as twice its area,
@@ -1427,8 +1430,8 @@ typedef double pbwc__lanes;
 
 typedef struct pbwc__adder {               /* of one chunk */
     pbwc__job *job;
-    pbwc__map numbers;                     /* of shares, by vertex */
-    pbwc__shares shares;
+    pbwc__map numbers;                     /* of totals, by vertex */
+    pbwc__totals totals;
 } pbwc__adder;
 
 typedef struct pbwc__simplex_geometry {    /* of simplices; edges 01 02 03 12 13 23; facets: across from corners */
@@ -1654,19 +1657,19 @@ PBW_INLINE void pbwc__classify(const pbwc__job *job, size_t simplex, size_t from
 }
 
 /* Returns the sum of a vertex in this chunk; NULL if there is no memory. */
-PBW_INLINE pbwc__share *pbwc__share_of(pbwc__adder *adder, pbw_index vertex)
+PBW_INLINE pbwc__total *pbwc__total_of(pbwc__adder *adder, pbw_index vertex)
 {
     pbw_memory *memory = &adder->job->memory;
-    const int fresh = (int)adder->shares.count, number = pbwc__number(memory, &adder->numbers, vertex, fresh);
+    const int fresh = (int)adder->totals.count, number = pbwc__number(memory, &adder->numbers, vertex, fresh);
     if (number == fresh) {
-        pbwc__share share;
-        memset(&share, 0, sizeof share);
-        share.vertex = vertex;
-        if (!PBW_PUSH(memory, adder->shares, share)) {
+        pbwc__total total;
+        memset(&total, 0, sizeof total);
+        total.vertex = vertex;
+        if (!PBW_PUSH(memory, adder->totals, total)) {
             return NULL;
         }
     }
-    return number < 0 ? NULL : adder->shares.at + number;
+    return number < 0 ? NULL : adder->totals.at + number;
 }
 
 /* Adds up the contributions of a chunk.  Returns 0 if there is no memory. */
@@ -1682,14 +1685,14 @@ static int pbwc__add_simplices(pbwc__adder *adder, size_t from, size_t to)
         for (lane = 0; lane < PBWC__LANES && s + lane < to; lane++) {
             pbwc__classify(job, s + lane, from, to, contribution.flags[lane], flags);
             for (i = 0; i < 4; i++) {
-                pbwc__share *share = pbwc__share_of(adder, mesh->simplices[4 * (s + lane) + i]);
-                if (share == NULL) {
+                pbwc__total *total = pbwc__total_of(adder, mesh->simplices[4 * (s + lane) + i]);
+                if (total == NULL) {
                     return 0;
                 }
                 for (k = 0; k < 4; k++) {
-                    share->sum[k] += contribution.sum[i][k][lane];
+                    total->sum[k] += contribution.sum[i][k][lane];
                 }
-                share->flags |= flags[i];
+                total->flags |= flags[i];
             }
         }
     }
@@ -1700,23 +1703,23 @@ static int pbwc__add_simplices(pbwc__adder *adder, size_t from, size_t to)
 static pbw_status pbwc__add_chunk(void *arg, size_t from, size_t to)
 {
     pbwc__job *job = (pbwc__job *)arg;
-    pbwc__shares *kept = &job->ranges.at[from / PBWC__CHUNK].shares;
+    pbwc__totals *kept = &job->ranges.at[from / PBWC__CHUNK].totals;
     pbwc__adder adder;
     size_t i;
     int good;
     memset(&adder, 0, sizeof adder);
     adder.job = job;
     good = pbwc__map_grow(&job->memory, &adder.numbers) && pbwc__add_simplices(&adder, from, to);
-    for (i = 0; good && i < adder.shares.count; i++) {
-        const pbwc__share *share = adder.shares.at + i;
-        if (share->vertex < job->count && share->flags == 0) {
-            pbwc__set_cell(job, share->vertex, share->sum);
-        } else if (share->vertex < job->count) {
-            good = PBW_PUSH(&job->memory, *kept, *share);
+    for (i = 0; good && i < adder.totals.count; i++) {
+        const pbwc__total *total = adder.totals.at + i;
+        if (total->vertex < job->count && total->flags == 0) {
+            pbwc__set_cell(job, total->vertex, total->sum);
+        } else if (total->vertex < job->count) {
+            good = PBW_PUSH(&job->memory, *kept, *total);
         }
     }
     PBW_RELEASE(&job->memory, adder.numbers.slots);
-    PBW_RELEASE(&job->memory, adder.shares);
+    PBW_RELEASE(&job->memory, adder.totals);
     return good ? PBW_OK : PBW_ERROR_MEMORY;
 }
 
@@ -1928,7 +1931,7 @@ static int pbwc__cut_cell(pbwc__work *work, pbw_index v)
     }
     poly->x.count = corners;
     for (i = 0; i < facets; i++) {
-        if (!pbwc__open_facet(work->memory, poly, job->domain.name.at[i])) {
+        if (!pbwc__begin_facet(work->memory, poly, job->domain.name.at[i])) {
             return 0;
         }
         for (k = job->domain.start.at[i]; k < pbwc__loop_end(&job->domain, i); k++) {
@@ -1981,7 +1984,7 @@ static int pbwc__star_poly(pbwc__work *work)
     pbwc__map_clear(&work->numbers);
     for (u = 0; u < work->links.count; u++) {
         const pbwc__link *link = work->links.at + u;
-        if (!pbwc__open_facet(work->memory, poly, (pbw_index)u)) {
+        if (!pbwc__begin_facet(work->memory, poly, (pbw_index)u)) {
             return 0;
         }
         for (i = 0; i < (plane ? 1 : link->count); i++) {
@@ -2572,16 +2575,20 @@ typedef struct pbwc__sweep {
 
 #define PBWC__PLACE(sweep, i) ((sweep)->x.at + 2 * (size_t)(i))
 
-static int pbwc__compare_places(const void *a, const void *b)
+/* By the first of `count` numbers that differ, then by ids. */
+static int pbwc__compare(const double *a, const double *b, int count, pbw_index a_id, pbw_index b_id)
 {
-    const pbwc__place *p = (const pbwc__place *)a, *q = (const pbwc__place *)b;
-    int k;
-    for (k = 0; k < 2; k++) {
-        if (p->x[k] < q->x[k] || p->x[k] > q->x[k]) {
-            return p->x[k] < q->x[k] ? -1 : 1;
-        }
+    int k = 0;
+    while (k < count && !(a[k] < b[k]) && !(a[k] > b[k])) {
+        k++;
     }
-    return p->corner < q->corner ? -1 : p->corner > q->corner;
+    return k < count ? (a[k] < b[k] ? -1 : 1) : (a_id > b_id) - (a_id < b_id);
+}
+
+static int pbwc__compare_places(const void *left, const void *right)
+{
+    const pbwc__place *a = (const pbwc__place *)left, *b = (const pbwc__place *)right;
+    return pbwc__compare(a->x, b->x, 2, a->corner, b->corner);
 }
 
 /* From below; all go to the right of one corner. */
@@ -3957,13 +3964,7 @@ static int pbwc__is_copied(const pbwc__period *period, size_t i, const double *x
 static int pbwc__compare_copies(const void *left, const void *right)
 {
     const pbwc__copy *a = (const pbwc__copy *)left, *b = (const pbwc__copy *)right;
-    int k;
-    for (k = 0; k < 3; k++) {
-        if (a->shift[k] < b->shift[k] || a->shift[k] > b->shift[k]) {
-            return a->shift[k] < b->shift[k] ? -1 : 1;
-        }
-    }
-    return (a->source > b->source) - (a->source < b->source);
+    return pbwc__compare(a->shift, b->shift, 3, a->source, b->source);
 }
 
 /* Returns whether the mesh of this round has a copy; x: where that is. */
@@ -4250,25 +4251,25 @@ static int pbwc__cell(pbwc__work *work, pbw_index v)
 
 /* Ends the cells of shared vertices, and lists those left for their stars, near ones together.  Returns 0 if there is
    no memory. */
-static int pbwc__add_shares(pbwc__job *job, size_t chunks, pbwc__indices *left)
+static int pbwc__add_totals(pbwc__job *job, size_t chunks, pbwc__indices *left)
 {
     unsigned char *flags = job->states.at;
     size_t c, i, k;
     for (c = 0; c < chunks; c++) {
-        const pbwc__shares *kept = &job->ranges.at[c].shares;
+        const pbwc__totals *kept = &job->ranges.at[c].totals;
         for (i = 0; i < kept->count; i++) {
-            const pbwc__share *share = kept->at + i;
-            const size_t v = share->vertex;
+            const pbwc__total *total = kept->at + i;
+            const size_t v = total->vertex;
             const int more = (flags[v] & PBWC__ADDED) != 0;
-            flags[v] |= (unsigned char)(share->flags | PBWC__ADDED);
-            job->volumes[v] = share->sum[3] + (more ? job->volumes[v] : 0);
+            flags[v] |= (unsigned char)(total->flags | PBWC__ADDED);
+            job->volumes[v] = total->sum[3] + (more ? job->volumes[v] : 0);
             for (k = 0; k < 3; k++) {
-                job->centroids[3 * v + k] = share->sum[k] + (more ? job->centroids[3 * v + k] : 0);
+                job->centroids[3 * v + k] = total->sum[k] + (more ? job->centroids[3 * v + k] : 0);
             }
         }
     }
     for (c = 0; c < chunks; c++) {
-        const pbwc__shares *kept = &job->ranges.at[c].shares;
+        const pbwc__totals *kept = &job->ranges.at[c].totals;
         for (i = 0; i < kept->count; i++) {
             const size_t v = kept->at[i].vertex;
             if ((flags[v] & (PBWC__LISTED | PBWC__LEFT)) == PBWC__LEFT) {
@@ -4307,7 +4308,7 @@ static pbw_status pbwc__add_all(pbwc__job *job, size_t chunks)
     const pbw_options *options = &job->options;
     pbw_status status = pbw_for(options, job->mesh->simplex_count, PBWC__CHUNK, pbwc__add_chunk, job);
     if (status == PBW_OK) {
-        status = PBW_ZEROS(&job->memory, job->states, job->count) && pbwc__add_shares(job, chunks, &job->left)
+        status = PBW_ZEROS(&job->memory, job->states, job->count) && pbwc__add_totals(job, chunks, &job->left)
                ? PBW_OK : PBW_ERROR_MEMORY;
     }
     return status == PBW_OK ? pbw_for(options, job->left.count, PBWC__LEFTS, pbwc__left_cells, job) : status;
@@ -4364,7 +4365,7 @@ typedef struct pbwc__joining {
     size_t *loop_first;
 } pbwc__joining;
 
-/* Copies the loops of a cell, the range's entries from `at` on, to their place in the result. */
+/* Copies the loops of a cell, the range's entries from `at` on, into the result. */
 static void pbwc__join_loops(const pbwc__joining *joining, size_t r, pbw_index v, size_t facet, size_t at)
 {
     const pbwc__job *job = joining->job;
@@ -4455,7 +4456,7 @@ PBWCELLSDEF void pbw_cells_free(pbw_cells *cells)
     }
 }
 
-static void pbwc__place_ranges(pbwc__joining *joining, size_t ranges, size_t *sums)
+static void pbwc__sum_ranges(pbwc__joining *joining, size_t ranges, size_t *sums)
 {
     const pbwc__job *job = joining->job;
     size_t r;
@@ -4480,19 +4481,19 @@ static pbw_status pbwc__join_all(pbwc__job *job, size_t ranges)
     pbw_cells *cells = job->cells;
     pbwc__owned *own = (pbwc__owned *)cells->memory;
     pbw_memory *memory = &job->memory;
-    pbwc__sizes places;
+    pbwc__sizes begins;
     pbwc__joining joining;
     size_t sums[4], v;
     pbw_status status = PBW_OK;
-    memset(&places, 0, sizeof places);
+    memset(&begins, 0, sizeof begins);
     memset(&joining, 0, sizeof joining);
-    if (!PBW_FIT(memory, places, 2 * ranges + 1)) {
+    if (!PBW_FIT(memory, begins, 2 * ranges + 1)) {
         return PBW_ERROR_MEMORY;
     }
     joining.job = job;
-    joining.vertices = places.at;
+    joining.vertices = begins.at;
     joining.rays = joining.vertices + ranges;
-    pbwc__place_ranges(&joining, ranges, sums);
+    pbwc__sum_ranges(&joining, ranges, sums);
     if (!PBW_FIT(memory, own->neighbors, sums[0] + 1) || !PBW_FIT(memory, own->areas, sums[0] + 1)
         || (shapes
             && (!PBW_FIT(memory, own->loop_first, sums[0] + 1) || !PBW_FIT(memory, own->loops, sums[1] + 1)
@@ -4522,7 +4523,7 @@ static pbw_status pbwc__join_all(pbwc__job *job, size_t ranges)
     cells->facet_count = sums[0];
     cells->vertex_count = sums[2] / dim;
     cells->ray_count = sums[3] / dim;
-    PBW_RELEASE(memory, places);
+    PBW_RELEASE(memory, begins);
     return status;
 }
 
@@ -4861,7 +4862,7 @@ static void pbwc__release_ranges(pbwc__job *job)
     for (r = 0; r < job->ranges.count; r++) {
         pbwc__range *range = job->ranges.at + r;
         PBW_RELEASE(&job->memory, range->cells);
-        PBW_RELEASE(&job->memory, range->shares);
+        PBW_RELEASE(&job->memory, range->totals);
         PBW_RELEASE(&job->memory, range->neighbors);
         PBW_RELEASE(&job->memory, range->areas);
         PBW_RELEASE(&job->memory, range->loop_counts);
@@ -5394,8 +5395,8 @@ static pbw_status pbwc__choose_thin(pbwc__period *period, double share)
             const double low = (period->axes >> k & 1) != 0 ? 0 : period->low[k];
             const double high = (period->axes >> k & 1) != 0 ? period->size[k] : period->high[k];
             const double h = pbwc__height(period, (int)k, period->x.at + i * dim);
-            const double place = (h - low) / (high - low) * (double)side;
-            at = at * side + (!(place > 0) ? 0 : place >= (double)side ? side - 1 : (size_t)place);
+            const double cell = (h - low) / (high - low) * (double)side;
+            at = at * side + (!(cell > 0) ? 0 : cell >= (double)side ? side - 1 : (size_t)cell);
         }
         thin[i] = slot[at] == 0;
         chosen += slot[at] == 0;
