@@ -4,6 +4,7 @@
 #include "pbw_tilefile.h"
 #include "pbw_io.h"
 #include "inputs.h"
+#include "meter.h"
 #include "test.h"
 #include <dirent.h>
 #include <sys/wait.h>
@@ -318,9 +319,9 @@ static void change_id(size_t point, uint64_t id)
     pbwtf_file file;
     size_t c, i;
     put(path, old, size);
-    CHECK(pbwtf_open(path, &file, error));
+    CHECK_EQUAL(pbwtf_open(path, NULL, &file, error), PBW_OK);
     for (c = 0; c < head(old)->chunks; c++) {
-        CHECK(pbwtf_view_of(&file, c, &view, error));
+        CHECK_EQUAL(pbwtf_view_of(&file, c, &view, error), PBW_OK);
         for (i = 0; i < view.chunk->foreign; i++) {
             char *record = data + ((const char *)(view.foreign + i * view.foreign_size) - file.map.data);
             uint64_t key;
@@ -411,6 +412,63 @@ static void test_contents(void)
                 refused("the checksum is wrong");
             }
         }
+        test_end();
+    }
+}
+
+/* ---- memory */
+
+/* Opens the file and makes a mesh of tile 1, with the options.  Nothing is held afterwards. */
+static pbw_status open_tile(const pbw_options *options, const meter *m)
+{
+    pbwtf_file file;
+    pbwtf_view view;
+    pbw_mesh mesh;
+    char error[PBWTF_ERROR] = "";
+    pbw_status status = pbwtf_open(path, options, &file, error);
+    if (status == PBW_OK) {
+        CHECK_EQUAL(pbwtf_view_of(&file, 9, &view, error), PBW_ERROR_ARGUMENT);
+        CHECK_EQUAL(pbwtf_view_of(&file, 1, &view, error), PBW_OK);
+        status = pbwtf_mesh(&view, options, &mesh);
+        CHECK((status == PBW_OK) == (mesh.simplex_count == view.chunk->simplices && mesh.points != NULL));
+        pbwtf_mesh_free(&mesh);
+        pbwtf_close(&file);
+    } else {
+        CHECK(strstr(error, "out of memory") != NULL);
+    }
+    CHECK(m->blocks == 0 && m->faults == 0);
+    return status;
+}
+
+static void test_memory(void)
+{
+    if (test_begin("each allocation of a reader failing, and the limit of memory")) {
+        pbw_options options;
+        meter m;
+        pbw_status status;
+        long k = 0;
+        size_t most;
+        memset(&options, 0, sizeof options);
+        options.resize = meter_resize;
+        options.resize_user = &m;
+        make_file(INPUT_UNIFORM, 3, 300, "3");
+        do {
+            meter_start(&m, ++k, 0);
+            status = open_tile(&options, &m);
+            CHECK_EQUAL(status, m.refused > 0 ? PBW_ERROR_MEMORY : PBW_OK);
+        } while (m.refused > 0);
+        CHECK(k > 3);
+        most = m.peak;
+        options.memory_limit = most;
+        meter_start(&m, 0, 0);
+        CHECK_EQUAL(open_tile(&options, &m), PBW_OK);
+        for (options.memory_limit = 1; options.memory_limit < most; options.memory_limit += 1 + most / 50) {
+            meter_start(&m, 0, 0);
+            (void)open_tile(&options, &m);
+            CHECK(m.peak <= 2 * options.memory_limit);           /* a mesh has a limit of its own */
+        }
+        options.memory_limit = 100;
+        CHECK_EQUAL(open_tile(&options, &m), PBW_ERROR_MEMORY);
         test_end();
     }
 }
@@ -658,6 +716,7 @@ int main(int argc, char **argv)
     test_words(INPUT_SPHERE, 3, "2", 1);
     test_contents();
     test_truncation();
+    test_memory();
     test_flips(INPUT_UNIFORM, 3);
     test_flips(INPUT_SPHERE, 3);
     test_points_flipped();

@@ -646,7 +646,7 @@ static int pbwm__is_whole(const char *name, const pbwtf_chunk *chunk)
     const size_t head = sizeof *chunk, across = pbwtf_across_offset(chunk);
     char error[PBWTF_ERROR];
     pbwtf_map map;
-    int good = pbwtf_map_file(name, &map, error);
+    int good = pbwtf_map_file(name, NULL, &map, error) == PBW_OK;
     if (good) {
         good = map.size == pbwtf_chunk_size(chunk) && memcmp(pbwtf_fetch(&map, map.data, map.size), chunk, head) == 0
             && pbwtf_fault(&map) == NULL
@@ -756,7 +756,7 @@ static pbw_status pbwm__enter(pbwm__work *w)
     error[0] = 0;
     snprintf(w->scratch, sizeof w->scratch, "%s.scratch", g->options.output);
     if (g->rank == 0) {
-        good = pbwtf_enter(w->scratch, &w->lock, &is_foreign, error);
+        good = pbwtf_enter(w->scratch, &w->lock, &is_foreign, error) == PBW_OK;
     }
     if (good && is_foreign && pbwm__old_files(w, 0, 0)) {
         snprintf(error, sizeof error, "%.300s has files of other programs with names of scratch files",

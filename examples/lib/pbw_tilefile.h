@@ -8,9 +8,9 @@
        pbwtf_view view;
        pbw_mesh mesh;
        char error[PBWTF_ERROR];
-       if (!pbwtf_open("mesh.pbwt", &file, error)) { puts(error); return 1; }
-       if (!pbwtf_view_of(&file, 7, &view, error)) { puts(error); return 1; }       // tile 7: pointers into memory
-       if (!pbwtf_mesh(&view, &mesh)) { puts("out of memory"); return 1; }          // as a pbw_mesh of its own
+       if (pbwtf_open("mesh.pbwt", NULL, &file, error) != PBW_OK) { puts(error); return 1; }
+       if (pbwtf_view_of(&file, 7, &view, error) != PBW_OK) { puts(error); return 1; }      // tile 7: pointers
+       if (pbwtf_mesh(&view, NULL, &mesh) != PBW_OK) { puts("out of memory"); return 1; }   // as a mesh of its own
        pbwtf_mesh_free(&mesh);
        pbwtf_close(&file);
 
@@ -144,9 +144,12 @@ typedef struct pbwtf_writer {              /* start with pbwtf_begin */
 
 /* A file is read in blocks, at their first use, into private memory: a file that is truncated or replaced
    meanwhile is a fault that pbwtf_fault tells, never a signal.  Any number of threads may fetch
-   at once.  All but the writers return 1, or 0 with a text in error. */
+   at once.  Functions that take `error` fail with a text there: PBW_ERROR_MEMORY, or PBW_ERROR_BACKEND if a file
+   cannot be read or is damaged.  options: memory_limit and resize, for all that the call and what it makes hold but
+   the bytes of the file; NULL = defaults. */
 #define PBWTF_BLOCK 32768                  /* bytes */
-PBWTFDEF int pbwtf_map_file(const char *path, pbwtf_map *map, char *error);      /* an empty file is fine */
+PBWTFDEF pbw_status pbwtf_map_file(const char *path, const pbw_options *options, pbwtf_map *map,
+                                   char *error);     /* an empty file is fine */
 PBWTFDEF void pbwtf_unmap(pbwtf_map *map);
 /* Reads the blocks that have some bytes of map->data, unless they are there.  Returns from.  What cannot be read is
    zeros. */
@@ -164,28 +167,29 @@ PBWTFDEF int64_t pbwtf_tell(FILE *file);                          /* -1: failed 
 PBWTFDEF FILE *pbwtf_create(const char *path, char *name, size_t size);
 /* A folder of scratch files, where one run works at a time.  enter: makes the folder unless it is there, and locks
    the file `lock` in it: *lock, a descriptor; the lock ends with the process.  *is_foreign: the folder was there
-   without that file, so that what has names of scratch files may be somebody's.  Returns 0 with a text: another
-   process works there, or why it failed.  leave: frees the lock; remove_it: the file, and the folder if it is empty,
-   go, too. */
-PBWTFDEF int pbwtf_enter(const char *folder, int *lock, int *is_foreign, char *error);
+   without that file, so that what has names of scratch files may be somebody's.  PBW_ERROR_BACKEND: another process
+   works there, or why it failed.  leave: frees the lock; remove_it: the file, and the folder if it is empty, go, too.
+   */
+PBWTFDEF pbw_status pbwtf_enter(const char *folder, int *lock, int *is_foreign, char *error);
 PBWTFDEF void pbwtf_leave(const char *folder, int lock, int remove_it);
-PBWTFDEF int pbwtf_open(const char *path, pbwtf_file *file, char *error);
+PBWTFDEF pbw_status pbwtf_open(const char *path, const pbw_options *options, pbwtf_file *file, char *error);
 PBWTFDEF void pbwtf_close(pbwtf_file *file);
-PBWTFDEF int pbwtf_view_of(const pbwtf_file *file, size_t chunk, pbwtf_view *view, char *error);
-PBWTFDEF int pbwtf_view_head(const pbwtf_file *file, size_t chunk, pbwtf_view *view, char *error);   /* rest: fetch */
+PBWTFDEF pbw_status pbwtf_view_of(const pbwtf_file *file, size_t chunk, pbwtf_view *view, char *error);
+PBWTFDEF pbw_status pbwtf_view_head(const pbwtf_file *file, size_t chunk, pbwtf_view *view,
+                                    char *error);    /* fetch the rest */
 /* pbwtf_view_head of a file that has no header yet: dim, flags, chunks and tiles of header and one entry are read. */
-PBWTFDEF int pbwtf_view_at(const pbwtf_map *map, const pbwtf_header *header, const pbwtf_entry *entry, size_t chunk,
-                           pbwtf_view *view, char *error);
+PBWTFDEF pbw_status pbwtf_view_at(const pbwtf_map *map, const pbwtf_header *header, const pbwtf_entry *entry,
+                                  size_t chunk, pbwtf_view *view, char *error);
 /* Returns whether the bytes of a chunk are those that were written, by its checksums, and what fills it up is 0. */
 PBWTFDEF int pbwtf_is_intact(const pbwtf_view *view, const pbwtf_entry *entry);
 PBWTFDEF uint64_t pbwtf_checksum(uint64_t h, const void *data, size_t size);     /* of whole words */
 /* Fills points, weights, simplices, neighbors (PBW_NONE at the hull and across), canonical: own points, then foreign.
-   Returns 0 without memory. */
-PBWTFDEF int pbwtf_mesh(const pbwtf_view *view, pbw_mesh *mesh);
+   PBW_ERROR_MEMORY; PBW_ERROR_ARGUMENT: a corner or a link is out of range. */
+PBWTFDEF pbw_status pbwtf_mesh(const pbwtf_view *view, const pbw_options *options, pbw_mesh *mesh);
 PBWTFDEF void pbwtf_mesh_free(pbw_mesh *mesh);
 
-/* A chunk from where the file stands: begin, pass pbwtf_emit and the writer to the tile's options, end.  tree may be
-   NULL: leftovers, then tile is their number.  1: written, as far as fflush can tell. */
+/* A chunk, from the file's position on: begin, pass pbwtf_emit and the writer to the tile's options, end.  tree may
+   be NULL: leftovers, then tile is their number.  1: written, as far as fflush can tell. */
 PBWTFDEF void pbwtf_begin(pbwtf_writer *writer, FILE *file, const pbwt_tree *tree, uint32_t tile, uint32_t flags);
 PBWTFDEF pbw_status pbwtf_emit(void *user, const pbwt_tile *tile, size_t first, size_t count, const uint32_t *corners,
                                const uint32_t *links);
@@ -204,7 +208,6 @@ PBWTFDEF void pbwtf_seal(pbwtf_header *header, const pbw_hash_sums *sums);
 #define PBWTF__IMPLEMENTED
 
 #include <errno.h>
-#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #ifdef _WIN32
@@ -232,10 +235,13 @@ PBWTFDEF void pbwtf_seal(pbwtf_header *header, const pbw_hash_sums *sums);
 #endif
 #endif
 
-static int pbwtf__fail(char *error, const char *path, const char *what)
+static const char pbwtf__no_memory[] = "out of memory";
+
+/* what: pbwtf__no_memory, or what else is wrong. */
+static pbw_status pbwtf__fail(char *error, const char *path, const char *what)
 {
     snprintf(error, PBWTF_ERROR, "%s: %s", path, what);
-    return 0;
+    return what == pbwtf__no_memory ? PBW_ERROR_MEMORY : PBW_ERROR_BACKEND;
 }
 
 PBWTFDEF uint64_t pbwtf_checksum(uint64_t h, const void *data, size_t size)
@@ -325,6 +331,12 @@ static int pbwtf__in_use(const char *folder, long process, char *error)
     return 0;
 }
 
+static int pbwtf__no_lock(const char *folder, int why, char *error)
+{
+    (void)pbwtf__fail(error, folder, strerror(why));
+    return 0;
+}
+
 /* Returns 1 with the lock, 0 with a text, or -1: the run that had it has just removed it. */
 #ifdef _WIN32
 #define PBWTF__MAKE_FOLDER(path) _mkdir(path)
@@ -332,8 +344,7 @@ static int pbwtf__in_use(const char *folder, long process, char *error)
 static int pbwtf__try_lock(const char *folder, const char *name, int *lock, char *error)
 {
     *lock = _sopen(name, _O_RDWR | _O_CREAT | _O_BINARY, _SH_DENYWR, _S_IREAD | _S_IWRITE);
-    return *lock >= 0 ? 1 : errno == EACCES ? pbwtf__in_use(folder, 0, error)
-         : pbwtf__fail(error, folder, strerror(errno));
+    return *lock >= 0 ? 1 : errno == EACCES ? pbwtf__in_use(folder, 0, error) : pbwtf__no_lock(folder, errno, error);
 }
 #else
 #define PBWTF__MAKE_FOLDER(path) mkdir(path, 0777)
@@ -344,7 +355,7 @@ static int pbwtf__try_lock(const char *folder, const char *name, int *lock, char
     struct stat mine, there;
     *lock = open(name, O_RDWR | O_CREAT, 0666);
     if (*lock < 0) {
-        return errno == ENOENT ? -1 : pbwtf__fail(error, folder, strerror(errno));
+        return errno == ENOENT ? -1 : pbwtf__no_lock(folder, errno, error);
     }
     memset(&range, 0, sizeof range);
     range.l_type = F_WRLCK;
@@ -356,7 +367,7 @@ static int pbwtf__try_lock(const char *folder, const char *name, int *lock, char
         *lock = -1;
         return is_known && range.l_type == F_UNLCK ? -1
              : is_held ? pbwtf__in_use(folder, is_known ? (long)range.l_pid : 0, error)
-             : pbwtf__fail(error, folder, strerror(why));
+             : pbwtf__no_lock(folder, why, error);
     }
     if (fstat(*lock, &mine) != 0 || stat(name, &there) != 0 || mine.st_ino != there.st_ino) {
         close(*lock);
@@ -366,7 +377,7 @@ static int pbwtf__try_lock(const char *folder, const char *name, int *lock, char
 }
 #endif
 
-PBWTFDEF int pbwtf_enter(const char *folder, int *lock, int *is_foreign, char *error)
+PBWTFDEF pbw_status pbwtf_enter(const char *folder, int *lock, int *is_foreign, char *error)
 {
     char name[1200];
     struct stat there;
@@ -381,7 +392,8 @@ PBWTFDEF int pbwtf_enter(const char *folder, int *lock, int *is_foreign, char *e
         *is_foreign = !is_made && stat(name, &there) != 0;
         result = pbwtf__try_lock(folder, name, lock, error);
     }
-    return result < 0 ? pbwtf__fail(error, folder, "others remove it again and again") : result;
+    return result < 0 ? pbwtf__fail(error, folder, "others remove it again and again")
+         : result == 0 ? PBW_ERROR_BACKEND : PBW_OK;
 }
 
 PBWTFDEF void pbwtf_leave(const char *folder, int lock, int remove_it)
@@ -407,8 +419,10 @@ PBWTFDEF void pbwtf_leave(const char *folder, int lock, int remove_it)
    it: no file stays open, and another one under its name is noticed.
    ------------------------------------------------------------------------------------------------------ */
 typedef struct pbwtf__blocks {
+    pbw_memory memory;
+    size_t bytes;                                    /* of this, with the path and the states */
     const uint64_t *sums;
-    size_t size;                                     /* of the memory */
+    size_t size;                                     /* of the file's memory */
     size_t count;                                    /* of blocks that are there */
     int fault;                                       /* 1: cannot be read; 2: another sum */
     uint64_t device, number;                         /* of the file */
@@ -433,15 +447,16 @@ static size_t pbwtf__block_count(size_t size)
     return (size + PBWTF_BLOCK - 1) / PBWTF_BLOCK;
 }
 
-static int pbwtf__blocks_of(const char *path, size_t size, pbwtf_map *map)
+static int pbwtf__blocks_of(const char *path, size_t size, pbw_memory *memory, pbwtf_map *map)
 {
-    const size_t length = strlen(path) + 1;
-    pbwtf__blocks *b = (pbwtf__blocks *)calloc(1, sizeof *b + length + pbwtf__block_count(size));
+    const size_t length = strlen(path) + 1, bytes = sizeof(pbwtf__blocks) + length + pbwtf__block_count(size);
+    pbwtf__blocks *b = (pbwtf__blocks *)pbw_memory_resize(memory, NULL, 0, bytes, 1);
     if (b != NULL) {
+        memset(b, 0, bytes);
         memcpy(b->path, path, length);
         b->state = (unsigned char *)b->path + length;
-    }
-    if (b != NULL) {
+        b->memory = *memory;
+        b->bytes = bytes;
         b->size = size;
     }
     map->blocks = b;
@@ -449,20 +464,31 @@ static int pbwtf__blocks_of(const char *path, size_t size, pbwtf_map *map)
     return b != NULL;
 }
 
+static void pbwtf__free_blocks(pbwtf_map *map)
+{
+    if (map->blocks != NULL) {
+        pbw_memory memory = map->blocks->memory;
+        (void)pbw_memory_resize(&memory, map->blocks, map->blocks->bytes, 0, 1);
+    }
+    memset(map, 0, sizeof *map);
+}
+
 #ifdef PBWTF__IN_BLOCKS
-PBWTFDEF int pbwtf_map_file(const char *path, pbwtf_map *map, char *error)
+PBWTFDEF pbw_status pbwtf_map_file(const char *path, const pbw_options *options, pbwtf_map *map, char *error)
 {
     const int file = open(path, O_RDONLY);
     struct stat about;
+    pbw_memory memory;
     void *data = NULL;
     const char *what = NULL;
     memset(map, 0, sizeof *map);
+    pbw_memory_start(&memory, options);
     if (file < 0 || fstat(file, &about) != 0) {
         what = strerror(errno);
     } else if (!S_ISREG(about.st_mode)) {
         what = "not a regular file";
-    } else if (!pbwtf__blocks_of(path, (size_t)about.st_size, map)) {
-        what = "out of memory";
+    } else if (!pbwtf__blocks_of(path, (size_t)about.st_size, &memory, map)) {
+        what = pbwtf__no_memory;
     } else if (map->size > 0) {
         data = mmap(NULL, map->size, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
         what = data == MAP_FAILED ? strerror(errno) : NULL;
@@ -471,14 +497,13 @@ PBWTFDEF int pbwtf_map_file(const char *path, pbwtf_map *map, char *error)
         close(file);
     }
     if (what != NULL) {
-        free(map->blocks);
-        memset(map, 0, sizeof *map);
+        pbwtf__free_blocks(map);
         return pbwtf__fail(error, path, what);
     }
     map->data = (const char *)data;
     map->blocks->device = (uint64_t)about.st_dev;
     map->blocks->number = (uint64_t)about.st_ino;
-    return 1;
+    return PBW_OK;
 }
 
 static int pbwtf__read_block(const pbwtf_map *map, size_t from, size_t size)
@@ -509,8 +534,7 @@ PBWTFDEF void pbwtf_unmap(pbwtf_map *map)
     if (map->data != NULL) {
         munmap((void *)(size_t)map->data, map->blocks->size);
     }
-    free(map->blocks);
-    memset(map, 0, sizeof *map);
+    pbwtf__free_blocks(map);
 }
 
 PBWTFDEF void pbwtf_forget(const pbwtf_map *map)
@@ -533,29 +557,37 @@ PBWTFDEF void pbwtf_forget(const pbwtf_map *map)
     }
 }
 #else
-PBWTFDEF int pbwtf_map_file(const char *path, pbwtf_map *map, char *error)
+PBWTFDEF pbw_status pbwtf_map_file(const char *path, const pbw_options *options, pbwtf_map *map, char *error)
 {
     FILE *file = fopen(path, "rb");
-    int64_t size = -1;
+    const int64_t size = file != NULL && fseek(file, 0, SEEK_END) == 0 ? pbwtf_tell(file) : -1;
+    pbw_memory memory;
+    const char *what = NULL;
     char *data = NULL;
     memset(map, 0, sizeof *map);
-    if (file != NULL && fseek(file, 0, SEEK_END) == 0) {
-        size = pbwtf_tell(file);
+    pbw_memory_start(&memory, options);
+    if (size < 0) {
+        what = file == NULL ? strerror(errno) : "cannot read it";
+    } else if ((uint64_t)size >= (size_t)-1
+               || (data = (char *)pbw_memory_resize(&memory, NULL, 0, (size_t)size + 1, 1)) == NULL) {
+        what = pbwtf__no_memory;
+    } else {
         rewind(file);
-        data = size >= 0 && (uint64_t)size < (size_t)-1 ? (char *)malloc((size_t)size + 1) : NULL;
+        what = fread(data, 1, (size_t)size, file) != (size_t)size ? "cannot read it"
+             : !pbwtf__blocks_of(path, (size_t)size, &memory, map) ? pbwtf__no_memory : NULL;
     }
-    if (data == NULL || fread(data, 1, (size_t)size, file) != (size_t)size
-        || !pbwtf__blocks_of(path, (size_t)size, map)) {
-        pbwtf__fail(error, path, "cannot read it into memory");
-        free(data);
-        if (file != NULL) {
-            fclose(file);
+    if (file != NULL) {
+        fclose(file);
+    }
+    if (what != NULL) {
+        if (data != NULL) {
+            (void)pbw_memory_resize(&memory, data, (size_t)size + 1, 0, 1);
         }
-        return 0;
+        memset(map, 0, sizeof *map);
+        return pbwtf__fail(error, path, what);
     }
-    fclose(file);
     map->data = data;
-    return 1;
+    return PBW_OK;
 }
 
 static int pbwtf__read_block(const pbwtf_map *map, size_t from, size_t size)
@@ -568,9 +600,10 @@ static int pbwtf__read_block(const pbwtf_map *map, size_t from, size_t size)
 
 PBWTFDEF void pbwtf_unmap(pbwtf_map *map)
 {
-    free((void *)(size_t)map->data);
-    free(map->blocks);
-    memset(map, 0, sizeof *map);
+    if (map->data != NULL) {
+        (void)pbw_memory_resize(&map->blocks->memory, (void *)(size_t)map->data, map->blocks->size + 1, 0, 1);
+    }
+    pbwtf__free_blocks(map);
 }
 
 PBWTFDEF void pbwtf_forget(const pbwtf_map *map)
@@ -716,16 +749,18 @@ static const char *pbwtf__table_fault(const pbwtf_header *h, const pbwtf_entry *
     return bytes != h->table ? "the table of tiles is wrong" : NULL;
 }
 
-PBWTFDEF int pbwtf_open(const char *path, pbwtf_file *file, char *error)
+PBWTFDEF pbw_status pbwtf_open(const char *path, const pbw_options *options, pbwtf_file *file, char *error)
 {
     const char *what, *table;
     pbwtf_header header;
     char *copy = NULL;
     size_t size = 0;
+    pbw_status status;
     memset(file, 0, sizeof *file);
     memset(&header, 0, sizeof header);
-    if (!pbwtf_map_file(path, &file->map, error)) {
-        return 0;
+    status = pbwtf_map_file(path, options, &file->map, error);
+    if (status != PBW_OK) {
+        return status;
     }
     if (file->map.size >= sizeof header) {
         memcpy(&header, pbwtf_fetch(&file->map, file->map.data, sizeof header), sizeof header);
@@ -735,13 +770,15 @@ PBWTFDEF int pbwtf_open(const char *path, pbwtf_file *file, char *error)
         size = header.chunks * sizeof(pbwtf_entry);
         table = (const char *)pbwtf_fetch(&file->map, file->map.data + header.table, size);
         what = pbwtf__table_fault(&header, (const pbwtf_entry *)(const void *)table);
-        copy = (char *)malloc(sizeof header + size);
-        if (what == NULL && copy != NULL) {
+        if (what == NULL) {
+            copy = (char *)pbw_memory_resize(&file->map.blocks->memory, NULL, 0, sizeof header + size, 1);
+            what = copy == NULL ? pbwtf__no_memory : NULL;
+        }
+        if (what == NULL) {
             memcpy(copy, &header, sizeof header);
             memcpy(copy + sizeof header, table, size);
             file->table = (const pbwtf_entry *)(const void *)(copy + sizeof header);
         }
-        what = what == NULL && copy == NULL ? "out of memory" : what;
     }
     file->header = (const pbwtf_header *)(const void *)copy;
     what = pbwtf_fault(&file->map) != NULL ? pbwtf_fault(&file->map) : what;
@@ -749,13 +786,16 @@ PBWTFDEF int pbwtf_open(const char *path, pbwtf_file *file, char *error)
         pbwtf_close(file);
         return pbwtf__fail(error, path, what);
     }
-    return 1;
+    return PBW_OK;
 }
 
 PBWTFDEF void pbwtf_close(pbwtf_file *file)
 {
+    if (file->header != NULL) {
+        const size_t bytes = sizeof *file->header + file->header->chunks * sizeof(pbwtf_entry);
+        (void)pbw_memory_resize(&file->map.blocks->memory, (void *)(size_t)file->header, bytes, 0, 1);
+    }
     pbwtf_unmap(&file->map);
-    free((void *)(size_t)file->header);
     memset(file, 0, sizeof *file);
 }
 
@@ -769,8 +809,8 @@ static int pbwtf__is_head(const pbwtf_chunk *c, const pbwtf_header *h, size_t ch
         && (chunk < h->tiles || (c->own == 0 && c->duplicates == 0)) && (links || (c->across == 0 && c->hull == 0));
 }
 
-PBWTFDEF int pbwtf_view_at(const pbwtf_map *map, const pbwtf_header *header, const pbwtf_entry *entry, size_t chunk,
-                           pbwtf_view *view, char *error)
+PBWTFDEF pbw_status pbwtf_view_at(const pbwtf_map *map, const pbwtf_header *header, const pbwtf_entry *entry,
+                                  size_t chunk, pbwtf_view *view, char *error)
 {
     const uint64_t most = map->size;
     const char *at;
@@ -801,39 +841,42 @@ PBWTFDEF int pbwtf_view_at(const pbwtf_map *map, const pbwtf_header *header, con
     view->given = (const uint32_t *)(const void *)at;
     at += pbwtf__round((size_t)view->chunk->given * 4);
     view->across = (const uint64_t *)(const void *)at;
-    return 1;
+    return PBW_OK;
 }
 
-PBWTFDEF int pbwtf_view_head(const pbwtf_file *file, size_t chunk, pbwtf_view *view, char *error)
+PBWTFDEF pbw_status pbwtf_view_head(const pbwtf_file *file, size_t chunk, pbwtf_view *view, char *error)
 {
     const pbwtf_header *header = file->header;
     const pbwtf_entry *entry = file->table + chunk;
+    pbw_status status;
     memset(view, 0, sizeof *view);
     if (chunk >= header->chunks) {
         snprintf(error, PBWTF_ERROR, "tile %lu: there are %lu", (unsigned long)chunk, (unsigned long)header->chunks);
-        return 0;
+        return PBW_ERROR_ARGUMENT;
     }
-    if (!pbwtf_view_at(&file->map, header, entry, chunk, view, error)) {
-        return 0;
+    status = pbwtf_view_at(&file->map, header, entry, chunk, view, error);
+    if (status != PBW_OK) {
+        return status;
     }
     if ((chunk + 1 < header->chunks ? entry[1].first_simplex : header->simplices) - entry->first_simplex
         != view->chunk->simplices) {
         snprintf(error, PBWTF_ERROR, "tile %lu: it has %.0f simplices, and other numbers of them in the table",
                  (unsigned long)chunk, (double)view->chunk->simplices);
-        return 0;
+        return PBW_ERROR_BACKEND;
     }
-    return 1;
+    return PBW_OK;
 }
 
-PBWTFDEF int pbwtf_view_of(const pbwtf_file *file, size_t chunk, pbwtf_view *view, char *error)
+PBWTFDEF pbw_status pbwtf_view_of(const pbwtf_file *file, size_t chunk, pbwtf_view *view, char *error)
 {
     char name[40];
-    if (!pbwtf_view_head(file, chunk, view, error)) {
-        return 0;
+    const pbw_status status = pbwtf_view_head(file, chunk, view, error);
+    if (status != PBW_OK) {
+        return status;
     }
     pbwtf_fetch(&file->map, view->chunk, view->size);
     snprintf(name, sizeof name, "tile %lu", (unsigned long)chunk);
-    return pbwtf_fault(&file->map) == NULL || pbwtf__fail(error, name, pbwtf_fault(&file->map));
+    return pbwtf_fault(&file->map) == NULL ? PBW_OK : pbwtf__fail(error, name, pbwtf_fault(&file->map));
 }
 
 PBWTFDEF int pbwtf_is_intact(const pbwtf_view *view, const pbwtf_entry *entry)
@@ -846,26 +889,39 @@ PBWTFDEF int pbwtf_is_intact(const pbwtf_view *view, const pbwtf_entry *entry)
         && (words % 2 == 0 || view->simplices[words] == 0) && (c->given % 2 == 0 || view->given[c->given] == 0);
 }
 
+/* What pbw_mesh.memory points at; behind it are points, weights, simplices, neighbors, canonical, incident. */
+typedef struct pbwtf__block { pbw_memory memory; size_t doubles; } pbwtf__block;
+
 PBWTFDEF void pbwtf_mesh_free(pbw_mesh *mesh)
 {
-    free(mesh->memory);
+    if (mesh->memory != NULL) {
+        pbwtf__block *block = (pbwtf__block *)mesh->memory;
+        pbw_memory memory = block->memory;
+        (void)pbw_memory_resize(&memory, block, sizeof *block + block->doubles * sizeof(double), 0, 1);
+    }
     memset(mesh, 0, sizeof *mesh);
 }
 
-/* One block: points, weights, simplices, neighbors, canonical, incident. */
-PBWTFDEF int pbwtf_mesh(const pbwtf_view *view, pbw_mesh *mesh)
+PBWTFDEF pbw_status pbwtf_mesh(const pbwtf_view *view, const pbw_options *options, pbw_mesh *mesh)
 {
     const size_t dim = view->chunk->dim, corners = dim + 1, own = (size_t)view->chunk->own;
     const size_t count = own + (size_t)view->chunk->foreign, simplices = (size_t)view->chunk->simplices;
+    const size_t doubles = count * (dim + 2) + simplices * corners + 1;
+    pbwtf__block *block;
+    pbw_memory memory;
     double *points, *weights;
     pbw_index *index;
     size_t i, k;
     memset(mesh, 0, sizeof *mesh);
-    points = (double *)malloc((count * (dim + 2) + simplices * corners + 1) * sizeof(double));
-    if (points == NULL) {
-        return 0;
+    pbw_memory_start(&memory, options);
+    block = (pbwtf__block *)pbw_memory_resize(&memory, NULL, 0, sizeof *block + doubles * sizeof(double), 1);
+    if (block == NULL) {
+        return PBW_ERROR_MEMORY;
     }
-    mesh->memory = points;
+    block->memory = memory;
+    block->doubles = doubles;
+    points = (double *)(void *)(block + 1);
+    mesh->memory = block;
     weights = points + count * dim;
     index = (pbw_index *)(void *)(weights + count);
     mesh->dim = (int)dim;
@@ -890,14 +946,14 @@ PBWTFDEF int pbwtf_mesh(const pbwtf_view *view, pbw_mesh *mesh)
             const uint32_t link = view->chunk->flags & PBWTF_LINKS ? record[corners + k] : PBW_NONE;
             if (record[k] >= count || (link < 0x80000000u && link >= simplices)) {
                 pbwtf_mesh_free(mesh);
-                return 0;
+                return PBW_ERROR_ARGUMENT;
             }
             index[i * corners + k] = record[k];
             index[(simplices + i) * corners + k] = link < 0x80000000u ? link : PBW_NONE;
             index[2 * simplices * corners + count + record[k]] = (pbw_index)i;
         }
     }
-    return 1;
+    return PBW_OK;
 }
 
 /* ------------------------------------------------------------------------------------------------------

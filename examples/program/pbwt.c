@@ -416,7 +416,7 @@ static int add_hash(proof *p)
     pbw_mesh mesh;
     pbw_status status = PBW_ERROR_MEMORY;
     unsigned char *chosen = (unsigned char *)calloc((size_t)(v->chunk->own + v->chunk->foreign) + 1, 1);
-    if (chosen != NULL && pbwtf_mesh(v, &mesh)) {
+    if (chosen != NULL && pbwtf_mesh(v, NULL, &mesh) == PBW_OK) {
         memset(chosen, 1, (size_t)v->chunk->own);
         status = pbw_hash_parts(&mesh, chosen, NULL, &p->j->build, &own);
         p->sums.points += own.points;
@@ -587,7 +587,7 @@ static int open_proof(job *j, proof *p)
     size_t c;
     memset(p, 0, sizeof *p);
     p->j = j;
-    if (!pbwtf_open(j->input, &p->file, error)) {
+    if (pbwtf_open(j->input, NULL, &p->file, error) != PBW_OK) {
         return fail(j, "%s", error);
     }
     p->dim = p->file.header->dim;
@@ -599,7 +599,7 @@ static int open_proof(job *j, proof *p)
         return fail(j, "out of memory");
     }
     for (c = 0; c < p->file.header->chunks; c++) {
-        if (!pbwtf_view_head(&p->file, c, p->view + c, error)) {
+        if (pbwtf_view_head(&p->file, c, p->view + c, error) != PBW_OK) {
             return fail(j, "%s: %s", j->input, error);
         }
         p->head[c] = *p->view[c].chunk;
@@ -667,6 +667,7 @@ int convert_pbwt(job *j, pbw_mesh *mesh)
     proof p;
     const size_t tile = (size_t)number_of(j, "--tile", 0);
     int failed = open_proof(j, &p);
+    pbw_status status;
     if (!failed && tile >= p.file.header->chunks) {
         failed = fail(j, "--tile %lu: there are %u", (unsigned long)tile, p.file.header->chunks);
     }
@@ -675,8 +676,10 @@ int convert_pbwt(job *j, pbw_mesh *mesh)
         fetch_chunk(&p);
         failed = check_bytes(&p);
     }
-    if (!failed && !pbwtf_mesh(p.view + tile, mesh)) {
-        failed = fail(j, "tile %lu: out of memory, or a corner or link is out of range", (unsigned long)tile);
+    status = failed ? PBW_OK : pbwtf_mesh(p.view + tile, &j->build, mesh);
+    if (status != PBW_OK) {
+        failed = fail(j, "tile %lu: %s", (unsigned long)tile, status == PBW_ERROR_MEMORY ? "out of memory"
+                      : "a corner or a link is out of range");
     }
     return close_proof(&p, failed);
 }
@@ -709,7 +712,7 @@ const command command_hash = {
     "usage: pbw hash [options] input\n"
     "\n"
     "Prints the hash of the triangulation: equal for two files if they are the same triangulation of the same\n"
-    "points, in any order.  Of a .pbwt file it is computed anew, tile by tile, and compared with the header's.\n"
+    "points, in any order.  Of a .pbwt file it is computed again, tile by tile, and compared with the header's.\n"
     "\n"
     "input:   as for pbw mesh, or .pbwt\n"
     "\n",

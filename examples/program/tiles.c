@@ -135,7 +135,7 @@ static int take_scratch(work *w)
 {
     char error[PBWTF_ERROR];
     int is_foreign;
-    if (!pbwtf_enter(w->scratch, &w->lock, &is_foreign, error)) {
+    if (pbwtf_enter(w->scratch, &w->lock, &is_foreign, error) != PBW_OK) {
         return fail(w->j, "%s", error);
     }
     if (is_foreign && !is_clear(w)) {
@@ -210,7 +210,7 @@ static int view_chunk(const work *w, const pbwtf_map *chunks, size_t p, pbwtf_vi
     header.dim = w->s.dim;
     header.flags = (w->s.weighted ? PBWTF_WEIGHTS : 0) | (w->s.links ? PBWTF_LINKS : 0);
     header.tiles = w->s.parts;
-    if (!pbwtf_view_at(chunks, &header, &w->tile[p].entry, p, view, error)) {
+    if (pbwtf_view_at(chunks, &header, &w->tile[p].entry, p, view, error) != PBW_OK) {
         return 0;
     }
     pbwtf_fetch(chunks, view->foreign, (size_t)((const char *)view->across - (const char *)view->foreign));
@@ -222,7 +222,7 @@ static int is_intact(const char *name, uint64_t size, uint64_t sum)
 {
     char error[PBWTF_ERROR];
     pbwtf_map map;
-    int good = pbwtf_map_file(name, &map, error);
+    int good = pbwtf_map_file(name, NULL, &map, error) == PBW_OK;
     if (good) {
         good = map.size == size && pbwtf_sum(pbwtf_fetch(&map, map.data, map.size), map.size) == sum
             && pbwtf_fault(&map) == NULL;
@@ -257,7 +257,7 @@ static void check_finished(work *w)
     char error[PBWTF_ERROR];
     pbwtf_map chunks = { NULL, 0, NULL };
     uint32_t p = 0;
-    if (pbwtf_map_file(w->s.out, &chunks, error)) {
+    if (pbwtf_map_file(w->s.out, NULL, &chunks, error) == PBW_OK) {
         while (p < w->s.chunks && is_tile_intact(w, &chunks, p)) {
             pbwtf_forget(&chunks);
             p++;
@@ -348,8 +348,8 @@ static int open_input(work *w)
     return 0;
 }
 
-/* Reads points from..from+count-1, from where `file` stands.  Returns how many are there and finite, up to the first
-   that is not. */
+/* Reads points from..from+count-1, from the position of `file` on.  Returns how many are there and finite, up to the
+   first that is not. */
 static size_t read_points(const work *w, FILE *file, uint64_t from, size_t count, pbwt_point *out)
 {
     const size_t dim = w->s.dim, each = dim + w->s.weighted;
@@ -501,7 +501,7 @@ static void pass_on(workers *c, size_t tile, const pbwt_point *points, size_t co
     leave(c);
 }
 
-/* Sorts points of the input, where `file` stands; used: points in the room of each tile. */
+/* Sorts points of the input, from the position of `file` on; used: points in the buffer of each tile. */
 static void distribute_run(reading *r, FILE *file, uint64_t from, uint64_t to, pbwt_point *room, size_t *used)
 {
     workers *c = &r->c;
@@ -699,7 +699,7 @@ static int open_tree(work *w, size_t p, const char *name)
     tree_head head;
     uint64_t count = 0;
     w->sums[p] = read_sums(w, name, &count);
-    if (w->sums[p] == NULL || !pbwtf_map_file(name, w->map + p, error)) {
+    if (w->sums[p] == NULL || pbwtf_map_file(name, NULL, w->map + p, error) != PBW_OK) {
         return 0;
     }
     pbwtf_expect(w->map + p, tree_size(count), w->sums[p]);
@@ -757,7 +757,7 @@ static pbw_status make_tree(const work *w, size_t p)
         fclose(there);
         return PBW_OK;
     }
-    if (!pbwtf_map_file(name_of(w, "points", p, points), &map, error)) {
+    if (pbwtf_map_file(name_of(w, "points", p, points), NULL, &map, error) != PBW_OK) {
         return PBW_ERROR_ARGUMENT;                   /* make_trees says so, too */
     }
     pbwtf_fetch(&map, map.data, map.size);
@@ -1007,8 +1007,10 @@ static int on_tile(void *user, pbw_stage stage, double done)
         return build->progress != NULL && build->progress(build->progress_user, stage, done);
     }
     enter(c);
-    begin(c->w->j, "tiles", "several at a time");
     stop = c->stop || interrupted;
+    if (!stop) {                                     /* nothing is drawn behind the words that a worker stopped with */
+        begin(c->w->j, "tiles", "several at a time");
+    }
     leave(c);
     return stop;
 }
@@ -1107,7 +1109,7 @@ static pbw_status work_on(void *arg, size_t from, size_t to)
     return PBW_OK;
 }
 
-/* Makes the output as long as that, and stands at its end. */
+/* Makes the output as long as that, and goes to its end. */
 static int cut_output(const work *w, FILE *out, uint64_t size)
 {
     errno = 0;
@@ -1215,7 +1217,7 @@ static pbw_status know(work *w, const pbwtf_map *chunks, const uint64_t *ids, si
         pbwtf_view view;
         pbwt_tile tile;
         pbwtf_fetch(w->map + p, w->map[p].data, w->map[p].size);
-        if (!pbwtf_map_file(name_of(w, "border", p, name), &border, error)
+        if (pbwtf_map_file(name_of(w, "border", p, name), NULL, &border, error) != PBW_OK
             || border.size != w->tile[p].border * sizeof(uint32_t)
             || pbwtf_sum(pbwtf_fetch(&border, border.data, border.size), border.size) != w->tile[p].border_sum
             || pbwtf_fault(&border) != NULL || pbwtf_fault(w->map + p) != NULL || !view_chunk(w, chunks, p, &view)) {
@@ -1260,7 +1262,7 @@ static int build_leftovers(work *w, FILE *out, size_t count)
     if (cut_output(w, out, w->s.size)) {
         return FAILURE;
     }
-    if (!pbwtf_map_file(w->s.out, &chunks, error)) {
+    if (pbwtf_map_file(w->s.out, NULL, &chunks, error) != PBW_OK) {
         return fail(w->j, "%s", error);
     }
     ids = given_ids(w, &chunks, count);
