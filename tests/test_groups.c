@@ -558,6 +558,13 @@ static const spelling spellings[] = {
       "3: 5 2 2 0; e:3=1 top:2=2", "" },
     { "boundary.inp", TWO "*SURFACE,NAME=Boundary\n1,S1\n1,S2\n1,S4\n2,S1\n2,S2\n2,S3\n*SURFACE,NAME=in\n1,S1\n",
       "3: 5 2 1 0; in:2=1", "" },
+    { "marks.csv", "x,y,z,marker\n0,0,0,1\n1,0,0,0\n0,1,0,\n0,0,1,1\n1,1,1,7\n", "3: 5 0 0 0; 1:0=2 7:0=1", "" },
+    { "marks.txt", "marker x y\n-3 0 0\n2.0 1 0\n+2 0 1\n", "2: 3 0 0 0; -3:0=1 2:0=2", "" },
+    { "late.csv", "x,y,note,Marker\n0,0,a,5\n1,0,b\n0,1,c,5\n", "2: 3 0 0 0; 5:0=2", "" },
+    { "words.csv", "x,y,marker\n0,0,red\n1,0,2\n0,1,0.5\n1,1,1e300\n", "2: 4 0 0 0; 2:0=1",
+      "markers that are no whole numbers" },
+    { "nameless.csv", "0,0,0,1\n1,0,0,0\n0,1,0,1\n", "3: 3 0 0 0;", "" },
+    { "all.inp.csv", "x,y,markers\n0,0,1\n1,0,1\n0,1,1\n", "2: 3 0 0 0;", "" },
     { "skin.inp", TWO "*SURFACE,NAME=all\n1,S1\n1,S2\n1,S4\n2,S1\n2,S2\n2,S3\n", "3: 5 2 6 0; all:2=6", "" },
     { "inside.inp", TWO "*SURFACE,NAME=wall\n1,S3\n", "3: 5 2 1 0; wall:2=1", "" },
     { "shells.inp", NODES "*ELEMENT,TYPE=S3R,ELSET=sheet\n1,1,2,3\n2,2,5,3\n*ELEMENT,TYPE=B31,ELSET=beam\n3,1,2\n"

@@ -147,6 +147,7 @@
                     the file, each of a tag and a dimension
        .stl         of text: its solids, if there are several: groups of triangles
        .obj         usemtl, if that names several, else g, else o: groups of triangles
+       .csv .txt    groups of points: the column "marker", if it is no coordinate, weight or column to keep
        .inp         sets and surfaces; of points no set of the nodes of a surface of its name.  Of several sets an
                     element is in the last that a section names, else in the last.  A set of all elements is a group
                     if no other set has any of them
@@ -256,7 +257,7 @@ typedef struct pbwio_cloud {           /* start from {0}; pbwio_free when done *
     int base;                          /* number of the first point in the file: 0 or 1 */
     char dropped[256];                 /* what the file has and the cloud has not, in words; "" = nothing */
     char taken[200];                   /* which columns of a table are the coordinates, in words; "" = no question */
-    pbw_memory memory;                 /* private: of the arrays, and their bytes */
+    pbw_memory memory;                 /* private: of the arrays, and their bytes, those of points first */
     size_t capacity[13];
 } pbwio_cloud;
 
@@ -339,7 +340,8 @@ PBWIODEF void pbwio_renamed(pbwio_format format, int corners, const pbw_mesh *me
    renamed to path, or removed if the disk was full.  A file that is replaced gives its mode to the new one; a
    symbolic link stays, and what it leads to is replaced.  "-" is the standard output; that, FIFOs, devices and names
    under /dev are written in place.  What is written to a path that ends in .gz is packed by gzip.  options:
-   memory_limit, resize, progress (while it packs); NULL = defaults. */
+   memory_limit, resize, progress (after emit, and while it packs: if it says stop, there is no file); NULL =
+   defaults. */
 PBWIODEF pbwio_status pbwio_save(const char *path, void (*emit)(void *user, FILE *file), void *user,
                                  const pbw_options *options, pbwio_error *error);
 /* The format that a name's ending stands for, without .gz behind it; PBWIO_AUTO if none. */
@@ -956,6 +958,8 @@ typedef struct pbwio__reader {
     int column[4], last_column;              /* where x, y, z and the weight are, from 0; -1 = nowhere.  In 2D z is
                                                 the height, which rows may lack: then there are no heights */
     int known;                               /* the columns of coordinates have known names or were chosen */
+    int marker;                              /* 1 + the column of a table with groups of points; 0: none */
+    pbwio__field marked;                     /* the marker of the point at hand; begin NULL: none */
     unsigned char kept[PBWIO__MOST_COLUMNS]; /* of a column of the file: 1 + its index in cloud->columns; 0: none */
     const pbwio_options *options;
     pbwio_cloud *cloud;
@@ -1462,7 +1466,7 @@ static void pbwio__keep_columns(pbwio__reader *r, const pbwio__field *names, int
     }
     for (column = 0; column < count && strcmp(s, "*") == 0; column++) {
         const int other = column != r->column[0] && column != r->column[1] && column != r->column[2]
-                       && column != r->column[3];
+                       && column != r->column[3] && column + 1 != r->marker;
         r->kept[column] = other && pbwio__decimal(first[column].begin, first[column].end, r->mark, &value);
         texts += other && !r->kept[column];
     }
@@ -1629,10 +1633,13 @@ static void pbwio__point(pbwio__reader *r)
     double value[4];
     pbwio__field field;
     int i, k;
-    for (i = 0; i <= r->last_column || (flat && i <= r->column[2]); i++) {
+    r->marked.begin = r->marked.end = NULL;
+    for (i = 0; i <= r->last_column || (flat && i <= r->column[2]) || i < r->marker; i++) {
         if (!pbwio__next(r, &field)) {
             if (i > r->last_column) {
-                pbwio__no_heights(r);
+                if (flat && i <= r->column[2]) {
+                    pbwio__no_heights(r);
+                }
                 break;
             }
             pbwio__fail(r, PBWIO_ERROR_FORMAT, "%d column%s where %d are needed", i, i == 1 ? "" : "s",
@@ -1645,6 +1652,7 @@ static void pbwio__point(pbwio__reader *r)
             pbwio__fail(r, PBWIO_ERROR_FORMAT, "column %d, \"%s\", is kept and not a finite number", i + 1,
                         pbwio__show(r, field));
         }
+        r->marked = i + 1 == r->marker ? field : r->marked;
         for (k = 0; k < 4; k++) {
             if (r->column[k] == i && !pbwio__decimal(field.begin, field.end, r->mark, &value[k])) {
                 int comma;
@@ -1694,6 +1702,23 @@ static void pbwio__free_members(pbwio__reader *r, int dim)
     pbwio__release(r, *groups, r->cloud->capacity[PBWIO__OF_MEMBERS + dim], 1);
     *groups = NULL;
     r->cloud->capacity[PBWIO__OF_MEMBERS + dim] = 0;
+}
+
+#define PBWIO__OTHER_GROUPS "all groups but the first of points and elements that are in several"
+
+/* Puts a point into the current group of points, unless it is in one. */
+static void pbwio__group_point(pbwio__reader *r, size_t point)
+{
+    pbwio_cloud *cloud = r->cloud;
+    if (r->group[0] == PBW_NONE || r->status != PBWIO_OK
+        || (cloud->point_groups == NULL && !pbwio__group_room(r, 0, 0, r->point_capacity))) {
+        return;
+    }
+    if (cloud->point_groups[point] == PBW_NONE) {
+        cloud->point_groups[point] = r->group[0];
+    } else if (cloud->point_groups[point] != r->group[0]) {
+        pbwio__report_once(r, PBWIO__OTHER_GROUPS);
+    }
 }
 
 /* Adds an element of dimension `dim`, 1 to 3, to the current group of that dimension. */
@@ -2521,6 +2546,33 @@ static int pbwio__pass_counts(pbwio__reader *r)
     return 0;
 }
 
+/* Finds the column of markers, unless it is one of the coordinates or the weight. */
+static void pbwio__find_markers(pbwio__reader *r, const pbwio__field *names, int name_count)
+{
+    const int column = pbwio__find(names, name_count, "marker", 6);
+    int k;
+    r->marker = column + 1;
+    for (k = 0; k < 4; k++) {
+        r->marker = r->column[k] == column ? 0 : r->marker;
+    }
+}
+
+/* Puts the last point into the group of its marker; 0 or nothing: none. */
+static void pbwio__mark_point(pbwio__reader *r)
+{
+    double value = 0;
+    if (r->marked.begin == r->marked.end) {
+        return;
+    }
+    if (!pbwio__decimal(r->marked.begin, r->marked.end, r->mark, &value) || !(fabs(value) <= 1e15)
+        || fabs(value - floor(value)) > 0) {
+        pbwio__report_once(r, "markers that are no whole numbers");
+    } else if (fabs(value) > 0) {
+        r->group[0] = pbwio__find_group(r, 0, (long long)value, NULL, 0);
+        pbwio__group_point(r, r->cloud->count - 1);
+    }
+}
+
 /* The first lines tell the separator, the names and the number of columns: a first line in which nothing starts like
    a number is a header. */
 static void pbwio__read_table(pbwio__reader *r)
@@ -2554,9 +2606,14 @@ static void pbwio__read_table(pbwio__reader *r)
         r->line_number--;
         pbwio__reserve(r, pbwio__most(r, pbwio__count_lines(r, 0)), 1);
         pbwio__report_columns(r, names, name_count, count);
+        pbwio__find_markers(r, names, name_count);
         pbwio__keep_columns(r, names, name_count, columns, count);
+        r->marker = r->marker > 0 && r->kept[r->marker - 1] ? 0 : r->marker;
         while (pbwio__row_line(r)) {
             pbwio__point(r);
+            if (r->marker > 0 && r->status == PBWIO_OK) {
+                pbwio__mark_point(r);
+            }
         }
     }
 }
@@ -2585,7 +2642,6 @@ static void pbwio__node_row(pbwio__reader *r, long long dim, long long attribute
     double value = 0;
     long long i;
     size_t k = 0;
-    pbw_index group;
     pbwio__field field;
     for (i = 0; i < dim + attributes + has_marker && pbwio__next(r, &field) && r->status == PBWIO_OK; i++) {
         if (i >= dim && !pbwio__number(field.begin, field.end, &value)) {
@@ -2594,10 +2650,8 @@ static void pbwio__node_row(pbwio__reader *r, long long dim, long long attribute
         } else if (i >= dim && i < dim + attributes && i != r->column[3]) {
             cloud->columns[k++].values[point] = value;
         } else if (i == dim + attributes && (value < 0 || value > 0)) {
-            group = pbwio__find_group(r, 0, value >= -1e15 && value <= 1e15 ? (long long)value : 0, NULL, 0);
-            if (cloud->point_groups != NULL || pbwio__group_room(r, 0, 0, r->point_capacity)) {
-                cloud->point_groups[point] = group;
-            }
+            r->group[0] = pbwio__find_group(r, 0, value >= -1e15 && value <= 1e15 ? (long long)value : 0, NULL, 0);
+            pbwio__group_point(r, point);
         }
     }
     if (i < dim + attributes) {
@@ -3198,22 +3252,6 @@ static void pbwio__add_row(pbwio__reader *r, const double *row)
 }
 
 #define PBWIO__OTHER_SOLIDS "hexahedra, prisms, pyramids and polyhedra"
-#define PBWIO__OTHER_GROUPS "all groups but the first of points and elements that are in several"
-
-/* Puts a point into the current group of points, unless it is in one. */
-static void pbwio__group_point(pbwio__reader *r, size_t point)
-{
-    pbwio_cloud *cloud = r->cloud;
-    if (r->group[0] == PBW_NONE || r->status != PBWIO_OK
-        || (cloud->point_groups == NULL && !pbwio__group_room(r, 0, 0, r->point_capacity))) {
-        return;
-    }
-    if (cloud->point_groups[point] == PBW_NONE) {
-        cloud->point_groups[point] = r->group[0];
-    } else if (cloud->point_groups[point] != r->group[0]) {
-        pbwio__report_once(r, PBWIO__OTHER_GROUPS);
-    }
-}
 
 /* An element of dimension `dim`, 0 to 3, with the ids of its nodes: first its corners, then points in the middles of
    its edges and so on, which are not kept.  In the plane it may be a polygon.  All of the points are known. */
@@ -7792,14 +7830,22 @@ PBWIODEF void pbwio_renamed(pbwio_format format, int corners, const pbw_mesh *me
    Holds: on failure the cloud is empty and nothing is held.
    ------------------------------------------------------------------------------------------------------ */
 
-/* Endings of files that are no tables and are not read, whatever they look like. */
-static const char pbwio__refused_endings[] = "3dm 3ds 3mf amf bdf blend brep cas cdb cgns dae dgn dwg dxf e57 exo "
-    "fbx fem foam glb gltf gml gpkg gpx h5 hdf5 html ifc iges igs jpg kml kmz las laz med meshb mphtxt nas nastran "
-    "nc ods pcd pdf png pvtu rar sat shp shx skp sldprt step stp svg tif tiff ugrid unv usd usda usdc usdz vdb vti "
-    "vtm vtp vtr vts wkb wkt wrl x3d x_b x_t xdmf xls xlsx xmf xml zip";
+/* Endings of files that are no tables and are not read, whatever they look like, and what to save instead. */
+static const struct { const char *endings, *instead; } pbwio__refused[] = {
+    { "pvtu vti vtm vtp vtr vts xdmf xmf", ": save it as .vtu, .vtk or .ply" },
+    { "3dm 3mf amf brep dgn dwg dxf ifc iges igs sat skp sldprt step stp x_b x_t",
+      ": export its surface as .stl or .obj" },
+    { "3ds blend dae fbx glb gltf usd usda usdc usdz wrl x3d", ": export it as .obj, .ply or .stl" },
+    { "bdf cas cdb cgns exo fem foam h5 hdf5 med meshb mphtxt nas nastran nc ugrid unv",
+      ": save it as .msh, .vtu, .mesh or .inp" },
+    { "gml gpkg gpx kml kmz shp shx svg wkb wkt", ": save it as .geojson" },
+    { "e57 las laz pcd", ": save its points as .ply or .xyz" },
+    { "ods xls xlsx xml", ": save the table as .csv" },
+    { "html jpg pdf png rar tif tiff vdb zip", "" }
+};
 
 /* Refuses a file, and says which are read. */
-static pbwio_status pbwio__refuse(pbwio_error *error, const char *name, const char *what)
+static pbwio_status pbwio__refuse(pbwio_error *error, const char *name, const char *what, const char *instead)
 {
     char text[300] = "";
     const char *ending;
@@ -7812,7 +7858,8 @@ static pbwio_status pbwio__refuse(pbwio_error *error, const char *name, const ch
             used += (size_t)snprintf(text + used, sizeof text - used, " .%.*s", (int)length, ending);
         }
     }
-    return pbwio__file_error(error, PBWIO_ERROR_ARGUMENT, name, "%s; formats that are read:%s", what, text);
+    return pbwio__file_error(error, PBWIO_ERROR_ARGUMENT, name, "%s%s; formats that are read:%s", what, instead,
+                             text);
 }
 
 /* The format that the content looks like: a first word that only one format has, else a table. */
@@ -7960,8 +8007,10 @@ static pbwio_status pbwio__read(const char *name, const void *data, size_t size,
     }
     r.report_at = r.at;
     format = r.options->format != PBWIO_AUTO ? r.options->format : pbwio_format_of(name);
-    if (format == PBWIO_AUTO && pbwio__lists(pbwio__refused_endings, pbwio__ending(name))) {
-        return pbwio__refuse(error, name, "files with this ending are not read");
+    for (i = 0; format == PBWIO_AUTO && i < sizeof pbwio__refused / sizeof *pbwio__refused; i++) {
+        if (pbwio__lists(pbwio__refused[i].endings, pbwio__ending(name))) {
+            return pbwio__refuse(error, name, "files with this ending are not read", pbwio__refused[i].instead);
+        }
     }
     format = format != PBWIO_AUTO ? format : pbwio__sniff(r);
     left = (size_t)(r.end - r.at);
@@ -7970,7 +8019,7 @@ static pbwio_status pbwio__read(const char *name, const void *data, size_t size,
         return pbwio__file_error(error, PBWIO_ERROR_FORMAT, name, "%s", wrong);
     }
     if ((format == PBWIO_XYZ || format == PBWIO_CSV) && memchr(r.at, 0, left < 4096 ? left : 4096) != NULL) {
-        return pbwio__refuse(error, name, "the content is binary and no table");
+        return pbwio__refuse(error, name, "the content is binary and no table", "");
     }
     if (pbwio__info_of(format)->read == NULL) {
         return pbwio__file_error(error, PBWIO_ERROR_ARGUMENT, name, "this format is written, not read");
@@ -8469,7 +8518,7 @@ static pbwio_status pbwio__gzip(FILE *in, FILE *out, pbw_memory *memory, const p
 typedef struct pbwio__job {                  /* what is to be written */
     void (*emit)(void *user, FILE *file);
     void *user;
-    const int *cancelled;                    /* whether emit was stopped; NULL: it never is */
+    const int *cancelled;                    /* whether emit was stopped; NULL: ask progress */
     const pbw_options *build;
 } pbwio__job;
 
@@ -8553,7 +8602,8 @@ static pbwio_status pbwio__stream(FILE *file, pbw_memory *memory, int packed, co
     if (plain != NULL) {
         job->emit(job->user, plain);
         status = ferror(plain) | fflush(plain) ? PBWIO_ERROR_FILE
-               : job->cancelled != NULL && *job->cancelled ? PBWIO_CANCELLED : PBWIO_OK;
+               : (job->cancelled != NULL ? *job->cancelled : pbwio__stops(job->build, 1)) ? PBWIO_CANCELLED
+               : PBWIO_OK;
     }
     if (packed && status == PBWIO_OK) {
         rewind(plain);
