@@ -1,4 +1,4 @@
-/* front.c: a disc in a swirling flow, on a mesh that follows its rim, by front.h: error against degrees of freedom.
+/* front.c: a disc in a swirling flow, on a mesh that follows its edge, by front.h: error against degrees of freedom.
    cc -O2 -I. -Iexamples/lib examples/front.c -o front -lpthread -lm
    front [film.html].  Prints expected/front.txt, and numbers on the error stream; the exit status is 1 if the error
    does not fall as 1 / points, as linear interpolation does where points are well placed, or if a fixed grid of
@@ -82,7 +82,7 @@ static int next(void *user, pbwfilm_frame *frame)
     show *s = (show *)user;
     const pbw_mesh *m = &s->f.now.mesh;
     if (s->failed || s->f.time > end - s->step / 2) {
-        return 0;
+        return -s->failed;
     }
     s->failed = front_step(&s->f, s->step, s->tolerance) != PBW_OK;
     s->value = (double *)realloc(s->value, (m->simplex_count + 1) * sizeof *s->value);
@@ -92,13 +92,13 @@ static int next(void *user, pbwfilm_frame *frame)
         s->value[t] = (s->f.now.value[v[0]] + s->f.now.value[v[1]] + s->f.now.value[v[2]]) / 3;
     }
     sprintf(s->label, "time %.2f, %lu points", s->f.time, (unsigned long)points_of(&s->f));
-    frame->count = s->failed ? 0 : m->simplex_count;
+    frame->count = m->simplex_count;
     frame->corners = 3;
     frame->corner = m->simplices;
     frame->points = m->points;
     frame->values = s->value;
     frame->label = s->label;
-    return 1;
+    return s->failed ? -1 : 1;
 }
 
 static int film(const char *path)                    /* returns whether it is written */
@@ -115,7 +115,7 @@ static int film(const char *path)                    /* returns whether it is wr
     options.note = "A triangulation that lives: points are inserted where the error is large, and removed behind it";
     options.value_name = "u";
     options.box[2] = options.box[3] = options.range[1] = 1;
-    written = pbwfilm_write(path, &options, next, &s, &error) == PBWIO_OK && !s.failed;
+    written = pbwfilm_write(path, &options, next, &s, &error) == PBWIO_OK;
     printf("%s", error.text);
     front_free(&s.f);
     free(s.value);

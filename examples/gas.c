@@ -73,7 +73,7 @@ static int next(void *user, pbwfilm_frame *frame)
     show *s = (show *)user;
     gas *g = &s->g;
     if (s->failed || g->time >= s->end) {
-        return 0;
+        return -s->failed;
     }
     s->failed = !gas_run(g, g->time + s->frame_time);
     s->corner = (pbw_index *)realloc(s->corner, g->cells.facet_count * sizeof *s->corner);
@@ -85,13 +85,13 @@ static int next(void *user, pbwfilm_frame *frame)
         s->density[i] = g->states[i][0];
     }
     sprintf(s->label, "time %.2f, %lu cells", g->time, (unsigned long)g->count);
-    frame->count = s->failed ? 0 : g->count;
+    frame->count = g->count;
     frame->first = g->cells.first;
     frame->corner = s->corner;
     frame->points = g->cells.vertices;
     frame->values = s->density;
     frame->label = s->label;
-    return 1;
+    return s->failed ? -1 : 1;
 }
 
 /* The strength of the growing wave, as the paper measures it: its mean over both layers. */
@@ -127,13 +127,13 @@ int main(int argc, char **argv)
         options.title = "A shear layer rolls up";
         options.note = "Kelvin-Helmholtz instability on a moving Voronoi mesh";
         options.value_name = "density";
-        options.box[0] = options.box[1] = 0.02;              /* cells at the rim lie on one side only */
+        options.box[0] = options.box[1] = 0.02;              /* cells at the border lie on one side only */
         options.box[2] = options.box[3] = 0.98;
         options.range[0] = 0.9;
         options.range[1] = 2.1;
         s.frame_time = 0.02;
         s.end = 2.5;
-        failed |= pbwfilm_write(argv[2], &options, next, &s, &error) != PBWIO_OK || s.failed;
+        failed |= pbwfilm_write(argv[2], &options, next, &s, &error) != PBWIO_OK;
         printf("%s", error.text);
     } else if (!failed) {
         failed |= !gas_run(&s.g, 1.5);

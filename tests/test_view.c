@@ -1,5 +1,6 @@
-/* test_view.c: examples/lib/pbw_view.h: what a page holds is the mesh and the arrays that were given; texts are escaped;
-   full disks, memory that runs out, what is refused.  tests/view.sh looks at pages in a browser. */
+/* test_view.c: examples/lib/pbw_view.h: what a page holds is the mesh and the arrays that were given; texts are
+   escaped; full disks, memory that runs out, what is refused.  tests/view.sh looks at pages in a browser.  And
+   pbw_film.h and pbw_generate.h: failures leave nothing. */
 #define _GNU_SOURCE
 #include <math.h>
 #include <signal.h>
@@ -14,7 +15,12 @@
 #include "../examples/lib/pbw_io.h"
 #define PBW_VIEW_IMPLEMENTATION
 #include "../examples/lib/pbw_view.h"
+#define PBW_FILM_IMPLEMENTATION
+#include "../examples/lib/pbw_film.h"
+#include "../examples/lib/pbw_generate.h"
+#include "meter.h"
 #include "test.h"
+#include "watch.h"
 
 static char folder[64], path[96];
 
@@ -315,6 +321,113 @@ static void test_errors(void)
     unlink(path);
 }
 
+enum { FRAMES = 5 };
+
+typedef struct frames { int made, fails_at; } frames;
+
+static int next_frame(void *user, pbwfilm_frame *frame)
+{
+    static const double corner[6] = { 0, 0, 1, 0, 0, 1 };
+    frames *f = (frames *)user;
+    frame->count = 1;
+    frame->corners = 3;
+    frame->points = corner;
+    return f->made == f->fails_at ? -1 : f->made++ < FRAMES;
+}
+
+/* Writes the film; after a failure there must be neither a file nor memory that is held. */
+static pbwio_status film(const pbwfilm_options *options, int fails_at, meter *m)
+{
+    frames f = { 0, fails_at };
+    pbwio_error error = { "" };
+    pbwio_status status;
+    status = pbwfilm_write(path, options, next_frame, &f, &error);
+    CHECK((status == PBWIO_OK) == (access(path, F_OK) == 0) && (status == PBWIO_OK) == (error.text[0] == 0));
+    CHECK(status != PBWIO_OK || f.made == FRAMES + 1);
+    CHECK(m == NULL || (m->blocks == 0 && m->faults == 0));
+    remove(path);
+    return status;
+}
+
+static void test_film(void)
+{
+    pbwfilm_options options = { 0 };
+    pbw_options build = { 0 };
+    pbwio_status status;
+    meter m;
+    watch w;
+    long k;
+    options.box[2] = options.box[3] = options.range[1] = 1;
+    CHECK_EQUAL(film(&options, -1, NULL), PBWIO_OK);
+    CHECK_EQUAL(film(&options, 0, NULL), PBWIO_CANCELLED);
+    CHECK_EQUAL(film(&options, 3, NULL), PBWIO_CANCELLED);
+    options.build = &build;
+    options.frames = FRAMES;
+    build.progress = watch_progress;
+    build.progress_user = &w;
+    for (k = 1; k <= FRAMES + 1; k++) {
+        watch_start(&w, k);
+        CHECK_EQUAL(film(&options, -1, NULL), PBWIO_CANCELLED);
+    }
+    watch_start(&w, 0);
+    CHECK_EQUAL(film(&options, -1, NULL), PBWIO_OK);
+    CHECK(w.calls == FRAMES + 1 && w.wrong == 0);
+    build.resize = meter_resize;
+    build.resize_user = &m;
+    for (k = 1, status = PBWIO_OK; k == 1 || m.refused > 0; k++) {
+        watch_start(&w, 0);
+        meter_start(&m, k, 0);
+        status = film(&options, -1, &m);
+        CHECK_EQUAL(status, m.refused > 0 ? PBWIO_ERROR_MEMORY : PBWIO_OK);
+    }
+    CHECK(k > 2);
+    build.memory_limit = 1;
+    CHECK_EQUAL(film(&options, -1, &m), PBWIO_ERROR_MEMORY);
+}
+
+static void test_generate(void)
+{
+    enum { MOST = 40000 };
+    pbw_options options = { 0 };
+    pbwio_cloud cloud, other;
+    meter m;
+    watch w;
+    long k;
+    int kind;
+    CHECK_EQUAL(pbwgen_points(-1, 3, 5, 1, NULL, &cloud), PBW_ERROR_ARGUMENT);
+    CHECK_EQUAL(pbwgen_points(11, 3, 5, 1, NULL, &cloud), PBW_ERROR_ARGUMENT);
+    CHECK_EQUAL(pbwgen_points(0, 4, 5, 1, NULL, &cloud), PBW_ERROR_ARGUMENT);
+    CHECK_EQUAL(pbwgen_points(0, 3, (size_t)-1 / 16, 1, NULL, &cloud), PBW_ERROR_MEMORY);
+    options.resize = meter_resize;
+    options.resize_user = &m;
+    for (kind = 0; kind < 11; kind++) {
+        meter_start(&m, 0, 0);
+        CHECK_EQUAL(pbwgen_points(kind, 2, 100, 7, &options, &cloud), PBW_OK);
+        CHECK_EQUAL(pbwgen_points(kind, 2, 100, 7, NULL, &other), PBW_OK);
+        CHECK(cloud.count == 100 && memcmp(cloud.points, other.points, 1600) == 0);
+        pbwio_free(&cloud);
+        pbwio_free(&other);
+        CHECK(m.blocks == 0 && m.faults == 0 && m.requests == 1);
+        meter_start(&m, 1, 0);
+        CHECK_EQUAL(pbwgen_points(kind, 2, 100, 7, &options, &cloud), PBW_ERROR_MEMORY);
+        CHECK(cloud.count == 0 && cloud.points == NULL && m.blocks == 0);
+        pbwio_free(&cloud);
+    }
+    options.progress = watch_progress;
+    options.progress_user = &w;
+    options.memory_limit = 100 + MOST * 16;
+    for (k = 0; k < 4; k++) {
+        meter_start(&m, 0, 0);
+        watch_start(&w, k);
+        CHECK_EQUAL(pbwgen_points(0, 2, MOST, 7, &options, &cloud), k > 0 ? PBW_CANCELLED : PBW_OK);
+        CHECK(w.calls == (k > 0 ? k : 3) && w.wrong == 0);
+        pbwio_free(&cloud);
+        CHECK(m.blocks == 0 && m.faults == 0);
+    }
+    CHECK_EQUAL(pbwgen_points(0, 2, MOST + 10, 7, &options, &cloud), PBW_ERROR_MEMORY);
+    pbwio_free(&cloud);
+}
+
 int main(int argc, char **argv)
 {
     static const double scales[] = { 1, 1.7e308, 1e-300, 5e-320 };
@@ -343,6 +456,14 @@ int main(int argc, char **argv)
     }
     if (test_begin("what cannot be written")) {
         test_errors();
+        test_end();
+    }
+    if (test_begin("films: memory that runs out, frames that fail, progress that says stop")) {
+        test_film();
+        test_end();
+    }
+    if (test_begin("generated points: memory that runs out, progress that says stop")) {
+        test_generate();
         test_end();
     }
     rmdir(folder);

@@ -19,8 +19,8 @@
      >>page         the page
 
    HOW
-     1. `next` is your function.  It simulates a step, sets members of the frame and returns 1, or 0 after the last
-        frame.
+     1. `next` is your function.  It simulates a step, sets members of the frame and returns 1; 0 after the last
+        frame; -1 if it failed.
      2. A frame is a set of dots, lines and polygons, coloured by a number: triangles of a mesh, cells of a diagram, a
         front.
      3. The page is one file and needs no network and no server; it has play, step and speed.
@@ -28,7 +28,8 @@
    PROMISES  (tests/view.sh and tests/page.sh guard them)
      small       2.7 bytes a shape and 5.4 a corner in each frame; browsers draw 10,000 polygons 30 times a second
      whole       there is the whole page or none
-     quiet       no globals, no allocation, nothing printed, no exit
+     bounded     memory for a name alone, through options.build->resize
+     quiet       no globals, nothing printed, no exit
 */
 #ifndef PBW_FILM_H
 #define PBW_FILM_H
@@ -65,10 +66,14 @@ typedef struct pbwfilm_options {
     const char *value_name;            /* what colours show; NULL = no legend */
     double box[4];                     /* what is seen: least x, y, largest x, y */
     double range[2];                   /* values that get the first and the last colour */
+    size_t frames;                     /* that there will be, for progress; 0 = not known */
+    const pbw_options *build;          /* memory_limit, resize, progress before each frame, as in pbw.h; NULL =
+                                          defaults */
 } pbwfilm_options;
 
 /* Calls next, which fills a frame and returns 1, until it returns 0.  The caller owns the arrays of a frame; they are
-   read before next is called again.  Writes the page whole or not at all.  PBWIO_ERROR_ARGUMENT: an empty box. */
+   read before next is called again.  Writes the page whole or not at all.  PBWIO_ERROR_ARGUMENT: an empty box;
+   PBWIO_CANCELLED: next returned -1, or progress said stop. */
 PBWFILMDEF pbwio_status pbwfilm_write(const char *path, const pbwfilm_options *options,
                                       int (*next)(void *user, pbwfilm_frame *frame), void *user, pbwio_error *error);
 
@@ -97,6 +102,7 @@ typedef struct pbwfilm__page {
     int (*next)(void *user, pbwfilm_frame *frame);
     void *user;
     FILE *file;
+    int cancelled;
     unsigned char in[3];               /* bytes on their way to base64 */
     int in_count, column;
 } pbwfilm__page;
@@ -138,7 +144,7 @@ static void pbwfilm__text(FILE *file, const char *text)
     }
 }
 
-/* A coordinate in 16 bits: 8192 to 57344 across the box, with room beside it. */
+/* A coordinate in 16 bits: 8192 to 57344 across the box; less and more beside it. */
 static void pbwfilm__coordinate(pbwfilm__page *page, double x, int axis)
 {
     const double *box = page->options->box;
@@ -197,11 +203,36 @@ static void pbwfilm__lines(FILE *file, const char *const *line)
     }
 }
 
+/* Fills the next frame.  Returns 0 if there is none, or if the film is cancelled. */
+static int pbwfilm__next(pbwfilm__page *page, size_t number, pbwfilm_frame *frame)
+{
+    const pbw_options *build = page->options->build;
+    const size_t frames = page->options->frames > number ? page->options->frames : number + 1;
+    int more;
+    if (build != NULL && build->progress != NULL
+        && build->progress(build->progress_user, PBW_STAGE_WORK, (double)number / (double)frames) != 0) {
+        page->cancelled = 1;
+        return 0;
+    }
+    memset(frame, 0, sizeof *frame);
+    more = page->next(page->user, frame);
+    page->cancelled = more < 0;
+    return more > 0;
+}
+
+static int pbwfilm__is_cancelled(void *user, pbw_stage stage, double done)
+{
+    (void)stage;
+    (void)done;
+    return ((const pbwfilm__page *)user)->cancelled;
+}
+
 static void pbwfilm__emit(void *user, FILE *file)
 {
     pbwfilm__page *page = (pbwfilm__page *)user;
     const pbwfilm_options *o = page->options;
     pbwfilm_frame frame;
+    size_t i;
     page->file = file;
     pbwfilm__lines(file, pbwfilm__part(0));
     fputs("<title>", file);
@@ -214,7 +245,7 @@ static void pbwfilm__emit(void *user, FILE *file)
     fputs("' data-note='", file);
     pbwfilm__text(file, o->note);
     fputs("'></script>\n", file);
-    while (memset(&frame, 0, sizeof frame), page->next(page->user, &frame)) {
+    for (i = 0; pbwfilm__next(page, i, &frame); i++) {
         fputs("<script type='text/plain' data-label='", file);
         pbwfilm__text(file, frame.label);
         fputs("'>\n", file);
@@ -232,7 +263,9 @@ PBWFILMDEF pbwio_status pbwfilm_write(const char *path, const pbwfilm_options *o
                                       int (*next)(void *user, pbwfilm_frame *frame), void *user, pbwio_error *error)
 {
     pbwfilm__page page;
+    pbw_options build;
     memset(&page, 0, sizeof page);
+    memset(&build, 0, sizeof build);
     if (options == NULL || next == NULL || !(options->box[0] < options->box[2])
         || !(options->box[1] < options->box[3])) {
         if (error != NULL) {
@@ -243,7 +276,10 @@ PBWFILMDEF pbwio_status pbwfilm_write(const char *path, const pbwfilm_options *o
     page.options = options;
     page.next = next;
     page.user = user;
-    return pbwio_save(path, pbwfilm__emit, &page, NULL, error);
+    build = options->build != NULL ? *options->build : build;
+    build.progress = pbwfilm__is_cancelled;
+    build.progress_user = &page;
+    return pbwio_save(path, pbwfilm__emit, &page, &build, error);
 }
 
 /* ------------------------------------------------------------------------------------------------------

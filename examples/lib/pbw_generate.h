@@ -3,8 +3,9 @@
    QUICK START
    Include it; every function is static.  Needs pbw_io.h, with its implementation in some source file.
 
-       pbwio_cloud cloud;
-       if (!pbwgen_points(3, 3, 1000000, 1, &cloud)) puts("out of memory");  // kind 3: sphere, dimension, count, seed
+       pbwio_cloud cloud = {0};
+       const pbw_status status = pbwgen_points(3, 3, 1000000, 1, NULL, &cloud);      // kind 3: sphere; in 3D, seed 1
+       if (status != PBW_OK) puts(pbw_status_string(status));
        pbwio_free(&cloud);
 
    FUNCTIONS
@@ -21,13 +22,13 @@
 
    PROMISES  (tests/program.sh and tests/hashes_lib.c guard them)
      same        points are a function of kind, dimension, count and seed alone
+     bounded     a call holds at most options.memory_limit, and nothing after a failure
      quiet       no globals, nothing printed, no exit
 */
 #ifndef PBW_GENERATE_H
 #define PBW_GENERATE_H
 #include "pbw_io.h"
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* ------------------------------------------------------------------------------------------------------
@@ -112,29 +113,36 @@ static void pbwgen__point(int kind, int dim, size_t i, size_t count, uint64_t *s
 
 /* ------------------------------------------------------------------------------------------------------
    >>cloud        The points of a cloud.
-   In: kind, dimension, count, seed.  Out: a cloud.
-   Holds: without memory the cloud is empty.
+   In: kind, dimension, count, seed.  Out: a cloud, or a status and an empty cloud.
    ------------------------------------------------------------------------------------------------------ */
 
-/* Makes points of a kind, 0 to 10: its number in pbwgen_kinds; dim: 2 or 3.  Returns whether there was memory for
-   them; pbwio_free when done. */
-static int pbwgen_points(int kind, int dim, size_t count, uint64_t seed, pbwio_cloud *cloud)
+/* Makes points of a kind, 0 to 10: its number in pbwgen_kinds; dim: 2 or 3.  options: memory_limit, resize, progress;
+   NULL = defaults.  Returns PBW_OK, PBW_ERROR_ARGUMENT, PBW_ERROR_MEMORY or PBW_CANCELLED; pbwio_free when done. */
+static pbw_status pbwgen_points(int kind, int dim, size_t count, uint64_t seed, const pbw_options *options,
+                                pbwio_cloud *cloud)
 {
     uint64_t state = seed << 40;
     size_t i;
     memset(cloud, 0, sizeof *cloud);
-    if (count < (size_t)-1 / 32) {
-        cloud->points = (double *)malloc((count + 1) * (size_t)dim * sizeof(double));
+    if (kind < 0 || kind > 10 || dim < 2 || dim > 3) {
+        return PBW_ERROR_ARGUMENT;
     }
-    if (cloud->points == NULL) {
-        return 0;
+    pbw_memory_start(&cloud->memory, options);
+    if (count >= (size_t)-1 / 32 || !pbw_memory_fit(&cloud->memory, &cloud->points, &cloud->capacity[0],
+                                                    (count * (size_t)dim + 1) * sizeof(double), 1)) {
+        return PBW_ERROR_MEMORY;
     }
     cloud->dim = dim;
     cloud->count = count;
     for (i = 0; i < count; i++) {
+        if (i % 16384 == 0 && options != NULL && options->progress != NULL
+            && options->progress(options->progress_user, PBW_STAGE_WORK, (double)i / (double)count) != 0) {
+            pbwio_free(cloud);
+            return PBW_CANCELLED;
+        }
         pbwgen__point(kind, dim, i, count, &state, cloud->points + i * (size_t)dim);
     }
-    return 1;
+    return PBW_OK;
 }
 
 #endif
