@@ -44,8 +44,10 @@ check "an outline that crosses itself" says 0 "warning: bow.off: not kept: outli
 check "the same as a surface" says 1 "warning: bow.off: not kept: outlines of 1 polygon" mesh m.csv --inside --surface bow.off
 check "the same as queries" says 0 "warning: bow.off: not kept: outlines of 1 polygon" locate m.csv bow.off
 printf '0 0\n1 0\n0 1\n' > points.dxf
-check "an ending that is not read" says 1 "points.dxf: files with this ending are not read; formats that are read: .obj" \
+check "an ending that is not read" says 1 "points.dxf: files with this ending are not read: export its surface as .stl or .obj; formats that are read: .obj" \
     mesh points.dxf
+printf '<?xml version="1.0"?>\n<VTKFile type="PolyData"/>\n' > poly.vtp
+check ".vtp" says 1 "poly.vtp: files with this ending are not read: save it as .vtu, .vtk or .ply; formats" plane poly.vtp
 
 # Tables: which columns are the coordinates, and which are kept.
 printf 'id,easting,northing,height\n1,0,0,5\n2,4,0,6\n3,0,4,7\n4,1,1,9\n' > stations.csv
@@ -550,6 +552,10 @@ shared() {  # shared COMMAND [ARGUMENT...]: reads the table by its options, on t
         says 1 'there is no column "c"' "$@" --columns c,b --decimal-comma &&
         says 1 "out of memory within --memory-limit 1K" "$@" --columns a,b --decimal-comma --memory-limit 1K
 }
+check "reading keeps --memory-limit" says 1 "table.csv: out of memory within --memory-limit 9" mesh table.csv \
+    --memory-limit 9
+check "so does --surface" says 1 "--surface: closed.obj: out of memory" mesh --generate uniform 9 --inside \
+    --surface closed.obj --memory-limit 300
 check "mesh: shared options" shared mesh table.csv
 check "check: shared options" shared check table.csv
 check "bench: shared options" shared bench table.csv

@@ -237,8 +237,9 @@ static int load_clip(job *j, pbw_domain *domain, pbwio_cloud *cloud, void **kept
     memset(&read, 0, sizeof read);
     read.dim = j->cloud.dim;
     read.flags = PBWIO_CLOSED_RINGS;                 /* part the rings */
+    read.build = &j->build;
     if (pbwio_read(text_of(j, "--clip"), &read, cloud, &error) != PBWIO_OK) {
-        return fail(j, "--clip: %s", error.text);
+        return interrupted ? stopped(j) : fail(j, "--clip: %s", error.text);
     }
     failed = read.dim == 2 ? load_rings(j, domain, cloud, &first, volume)
            : load_body(j, domain, cloud, &planes, volume);

@@ -145,14 +145,15 @@ int refuse(text *t, const char *format, ...)
 }
 
 /* Reads a file whole, with a 0 behind it. */
-static int open_text(text *t, const char *path)
+static int open_text(text *t, const char *path, const pbw_options *build)
 {
     pbwio_error error;
     size_t size;
     memset(t, 0, sizeof *t);
     t->name = path;
+    t->build = build;
     t->line = 1;
-    t->data = pbwio_load(path, NULL, &size, &error);
+    t->data = pbwio_load(path, build, &size, &error);
     if (t->data == NULL) {
         snprintf(t->error, sizeof t->error, "%.255s", error.text);
         return 0;
@@ -420,7 +421,7 @@ static int read_poly(text *t, plan *d, int column, int *dropped)
     int ok = read_points(t, d, &base, column, dropped);
     if (ok && d->point_count == 0) {
         snprintf(path, sizeof path, "%.*s.node", (int)(strrchr(t->name, 'y') - t->name) - 4, t->name);
-        ok = open_text(&nodes, path) && read_points(&nodes, d, &base, column, dropped);
+        ok = open_text(&nodes, path, t->build) && read_points(&nodes, d, &base, column, dropped);
         if (!ok) {
             memcpy(t->error, nodes.error, sizeof t->error);
         }
@@ -441,12 +442,12 @@ static int ends_with(const char *path, const char *ending)
 }
 
 /* Whether a .json file is GeoJSON: its first "type" is one of that. */
-static int is_geojson(const char *path)
+static int is_geojson(const char *path, const pbw_options *build)
 {
     static const char *const types[] = { "FeatureCollection", "Feature", "GeometryCollection", "Polygon",
                                          "MultiPolygon", "LineString", "MultiLineString" };
     size_t size, i;
-    char *data = ends_with(path, ".json") ? pbwio_load(path, NULL, &size, NULL) : NULL;
+    char *data = ends_with(path, ".json") ? pbwio_load(path, build, &size, NULL) : NULL;
     const char *at = data != NULL ? strstr(data, "\"type\"") : NULL;
     int found = 0;
     if (at != NULL) {
@@ -475,11 +476,12 @@ static int read_points_of(job *j, plan *d, const char *column)
 int read_domain(job *j, plan *d, const char *column)
 {
     const char *digits = column != NULL && column[0] == '#' ? column + 1 : NULL;
+    const double start = now();
     text t;
     int ok, poly, dropped = 0;
     memset(d, 0, sizeof *d);
     if (j->input == NULL || (!ends_with(j->input, ".poly") && !ends_with(j->input, ".geojson")
-                             && !is_geojson(j->input))) {
+                             && !is_geojson(j->input, &j->build))) {
         if (is_given(j, "--region-by")) {
             return fail(j, "%s: --region-by needs GeoJSON, with features", j->input);
         }
@@ -490,12 +492,15 @@ int read_domain(job *j, plan *d, const char *column)
         return fail(j, "--size %s: columns of .poly files have numbers, #3 is the first attribute; .geojson has none",
                     column);
     }
-    ok = open_text(&t, j->input)
+    begin(j, "read", j->input);
+    j->stage = "read";
+    ok = open_text(&t, j->input, &j->build)
         && (poly ? read_poly(&t, d, digits != NULL ? atoi(digits) : 0, &dropped) : read_geojson(j, &t, d));
+    j->stage = NULL;
     free(t.data);
     if (!ok) {
         domain_free(d);
-        return fail(j, "%s", t.error);
+        return interrupted ? stopped(j) : fail(j, "%s", t.error);
     }
     if (dropped) {
         warn(j, "%s: numbers behind points that their first line does not announce are left out", j->input);
@@ -509,5 +514,6 @@ int read_domain(job *j, plan *d, const char *column)
         report_line(j, "%zu point%s, %zu segment%s, %zu polygon%s, %zu feature%s", COUNT(d->point_count),
                     COUNT(d->segment_count), COUNT(d->polygon_count), COUNT(d->feature_count));
     }
+    report_step(j, "read", now() - start, "%s", "");
     return 0;
 }

@@ -40,6 +40,7 @@ void domain_free(plan *d);
 
 typedef struct text {
     const char *name;
+    const pbw_options *build;                        /* of the job: memory_limit, progress */
     char *data, *at;                                 /* with a 0 behind it */
     size_t line;
     char error[256];                                 /* the first one */

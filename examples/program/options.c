@@ -424,6 +424,7 @@ static void fill(job *j)
     j->read.weight = text_of(j, "--weights");
     j->read.keep = text_of(j, "--keep");
     j->read.flags = is_given(j, "--decimal-comma") ? PBWIO_DECIMAL_COMMA : 0;
+    j->read.build = &j->build;
     j->build.threads = (int)number_of(j, "--threads", 0);
     j->build.memory_limit = (size_t)number_of(j, "--memory-limit", 0);
     j->build.flags = is_given(j, "--any-order") ? PBW_ANY_ORDER : 0;

@@ -67,13 +67,21 @@ int load(job *j, int flat)
     pbwio_status status = PBWIO_OK;
     begin(j, "read", j->generate != NULL ? j->generate : j->input);
     if (j->generate != NULL) {
-        int kind = choice_of(j, "--generate");
-        if (!pbwgen_points(kind < 0 ? 0 : kind, j->read.dim == 2 ? 2 : 3, j->count,
-                           (uint64_t)number_of(j, "--seed", 1), &j->cloud)) {
-            return fail(j, "out of memory: %.0f bytes for %zu point%s", 24 * (double)j->count, COUNT(j->count));
+        const int kind = choice_of(j, "--generate"), dim = j->read.dim == 2 ? 2 : 3;
+        pbw_status generated;
+        j->stage = "generate";
+        generated = pbwgen_points(kind < 0 ? 0 : kind, dim, j->count, (uint64_t)number_of(j, "--seed", 1), &j->build,
+                                  &j->cloud);
+        j->stage = NULL;
+        if (generated != PBW_OK) {
+            j->cloud.dim = dim;                      /* for the message */
+            j->cloud.count = j->count;
+            return explain(j, generated);
         }
     } else {
+        j->stage = "read";
         status = pbwio_read(j->input, &j->read, &j->cloud, &error);
+        j->stage = NULL;
     }
     if (status != PBWIO_OK || interrupted) {
         return explain_io(j, status, &error);
@@ -108,7 +116,9 @@ int load_queries(job *j)
     pbwio_status status;
     begin(j, "read", j->second);
     read.weight = NULL;
+    j->stage = "read";
     status = pbwio_read(j->second, &read, queries, &error);
+    j->stage = NULL;
     if (status != PBWIO_OK) {
         return explain_io(j, status, &error);
     }
@@ -229,6 +239,7 @@ int load_surface(job *j)
 {
     const char *path = text_of(j, "--surface");
     const pbwio_cloud *surface = path != NULL ? &j->surface : &j->cloud;
+    pbwio_options read;
     pbwio_error error;
     pbwsample_model model;
     pbwsample_report report;
@@ -237,8 +248,10 @@ int load_surface(job *j)
         return 0;
     }
     begin(j, "surface", path != NULL ? path : "");
-    if (path != NULL && pbwio_read(path, NULL, &j->surface, &error) != PBWIO_OK) {
-        return fail(j, "--surface: %s", error.text);
+    memset(&read, 0, sizeof read);
+    read.build = &j->build;
+    if (path != NULL && pbwio_read(path, &read, &j->surface, &error) != PBWIO_OK) {
+        return interrupted ? stopped(j) : fail(j, "--surface: %s", error.text);
     }
     warn_dropped(j, path, &j->surface);
     if (surface->dim != 3 || surface->triangle_count == 0) {
