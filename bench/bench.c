@@ -250,7 +250,7 @@ static void bench_measure(const bench_side *side, const bench_input *input, benc
         double start = bench_now();
         side->build(job);
         sample->seconds += bench_now() - start;
-        /* ru_maxrss is in KiB on Linux, and starts anew in a forked process. */
+        /* ru_maxrss is in KiB on Linux, and starts from 0 in a forked process. */
         if (builds++ == 0 && before != 0 && getrusage(RUSAGE_SELF, &usage) == 0) {
             size_t most = (size_t)usage.ru_maxrss * 1024;
             sample->resident = most > before ? most - before : 0;

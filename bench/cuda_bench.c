@@ -14,7 +14,7 @@
    The first run of each row warms up and is not counted.  Memory stays in the device's pool between runs.
    loop       points that move: all step by up to a part of an edge (the side of the cube that a point has for
               itself), or turn by 90 degrees, which keeps the mesh in another order.  --runs steps of each: best and
-              median with the test of the mesh before, without it (anew), and by pbw_cuda_triangulate (fresh); how
+              median with the test of the mesh before, without it (untested), and by pbw_cuda_triangulate (fresh); how
               many steps kept the mesh.  Every mesh equals that of pbw_cuda_triangulate, byte for byte, or the exit
               status is 1.  First, a call that gives all device memory back, as CUDA's pools do by default. */
 #define _POSIX_C_SOURCE 200112L
@@ -372,7 +372,7 @@ static pbw_status loop_step(moving *m, pbw_cuda_loop *loop, int rebuild, pbw_cud
 /* Prints the times of steps with one size of moves; a fault is 1. */
 static int loop_steps(moving *m, pbw_cuda_loop *loop, double part, int runs)
 {
-    static const char *const way[3] = { "tested", "anew", "fresh" };
+    static const char *const way[3] = { "tested", "untested", "fresh" };
     double times[3][RUNS_MOST];
     uint64_t state = 7;
     int run, i, kept = 0, fault = 0;

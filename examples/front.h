@@ -131,13 +131,13 @@ static void front_gradients(const front_field *f, double (*gradient)[2], double 
     }
 }
 
-typedef struct front_wish { double *points; pbw_index *leave; size_t points_count, leave_count; } front_wish;
+typedef struct front_changes { double *points; pbw_index *leave; size_t points_count, leave_count; } front_changes;
 
 /* What to change.  Amid an edge from a to b interpolation errs by |(grad u(b) - grad u(a)) . (b - a)| / 8,
    exactly so where u is quadratic: the middle is inserted if that is above the tolerance.  A point is removed if its
    edges err by less than an eighth of that, since edges twice as long err four times as much; of neighbours, the
    first. */
-static pbw_status front_plan(const front *f, double tolerance, front_wish *wish)
+static pbw_status front_plan(const front *f, double tolerance, front_changes *changes)
 {
     const pbw_mesh *m = &f->now.mesh;
     const size_t count = m->point_count;
@@ -157,8 +157,8 @@ static pbw_status front_plan(const front *f, double tolerance, front_wish *wish)
         worst[a] = fmax(worst[a], error);
         worst[b] = fmax(worst[b], error);
         if (error > tolerance && i / 3 < m->neighbors[i]) {          /* once; PBW_NONE is larger than all */
-            wish->points[2 * wish->points_count] = (p[0] + q[0]) / 2;
-            wish->points[2 * wish->points_count++ + 1] = (p[1] + q[1]) / 2;
+            changes->points[2 * changes->points_count] = (p[0] + q[0]) / 2;
+            changes->points[2 * changes->points_count++ + 1] = (p[1] + q[1]) / 2;
         }
     }
     for (size_t i = f->kept; i < count && status == PBW_OK; i++) {
@@ -168,7 +168,7 @@ static pbw_status front_plan(const front *f, double tolerance, front_wish *wish)
         }
         if (leaves) {
             worst[i] = HUGE_VAL;           /* it leaves */
-            wish->leave[wish->leave_count++] = (pbw_index)i;
+            changes->leave[changes->leave_count++] = (pbw_index)i;
         }
     }
     pbw_lists_free(&stars);
@@ -194,27 +194,27 @@ static pbw_status front_look(front *f)
 static pbw_status front_round(front *f, const front_source *from, double tolerance, size_t *inserted)
 {
     const size_t corners = 3 * f->now.mesh.simplex_count + 1;
-    front_wish wish = { 0 };
+    front_changes changes = { 0 };
     pbw_index *ids = (pbw_index *)malloc(corners * sizeof *ids);
     double *value = (double *)malloc(corners * sizeof *value);
     pbw_status status = PBW_ERROR_MEMORY;
-    wish.points = (double *)malloc(2 * corners * sizeof *wish.points);
-    wish.leave = (pbw_index *)malloc(corners * sizeof *wish.leave);
-    if (ids != NULL && value != NULL && wish.points != NULL && wish.leave != NULL) {
-        status = front_plan(f, tolerance, &wish);
+    changes.points = (double *)malloc(2 * corners * sizeof *changes.points);
+    changes.leave = (pbw_index *)malloc(corners * sizeof *changes.leave);
+    if (ids != NULL && value != NULL && changes.points != NULL && changes.leave != NULL) {
+        status = front_plan(f, tolerance, &changes);
     }
-    status = status != PBW_OK ? status : pbw_live_remove(f->live, wish.leave, wish.leave_count);
-    status = status != PBW_OK ? status : pbw_live_insert(f->live, wish.points, NULL, wish.points_count, ids);
+    status = status != PBW_OK ? status : pbw_live_remove(f->live, changes.leave, changes.leave_count);
+    status = status != PBW_OK ? status : pbw_live_insert(f->live, changes.points, NULL, changes.points_count, ids);
     status = status != PBW_OK ? status : front_look(f);
-    status = status != PBW_OK ? status : front_values(f, from, wish.points, wish.points_count, value);
-    for (size_t i = 0; i < wish.points_count && status == PBW_OK; i++) {
+    status = status != PBW_OK ? status : front_values(f, from, changes.points, changes.points_count, value);
+    for (size_t i = 0; i < changes.points_count && status == PBW_OK; i++) {
         f->now.value[ids[i]] = value[i];
     }
-    *inserted = wish.points_count;
+    *inserted = changes.points_count;
     free(ids);
     free(value);
-    free(wish.points);
-    free(wish.leave);
+    free(changes.points);
+    free(changes.leave);
     return status;
 }
 

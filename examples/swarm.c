@@ -64,7 +64,7 @@ static int next(void *user, pbwfilm_frame *frame)
     const pbw_cells *c = &w->cells;
     const size_t each = w->frames < SHOWN ? 1 : w->frames / SHOWN;
     if (w->failed || w->frame + each > w->frames) {
-        return 0;
+        return -w->failed;
     }
     for (size_t i = 1; i <= each && !w->failed; i++) {
         run_frame(w);
@@ -78,13 +78,13 @@ static int next(void *user, pbwfilm_frame *frame)
     }
     sprintf(w->label, "frame %lu, time %.2f, %lu cells", (unsigned long)w->frame, w->s.time,
             (unsigned long)w->s.count);
-    frame->count = w->failed ? 0 : w->s.count;
+    frame->count = w->s.count;
     frame->first = c->first;
     frame->corner = w->corner;
     frame->points = c->vertices;
     frame->values = w->dye;
     frame->label = w->label;
-    return 1;
+    return w->failed ? -1 : 1;
 }
 
 static int film(show *w, const char *path)           /* returns whether it is written */

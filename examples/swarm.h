@@ -288,7 +288,7 @@ static pbw_status swarm_shapes(const swarm *s, unsigned what, pbw_cells *cells)
     return pbw_cells_of(&s->mesh, &domain, what, NULL, cells);
 }
 
-/* Whether the triangulation, by its hash, and the cells are those that are made anew. */
+/* Returns whether the triangulation, by its hash, and the cells are those of a rebuild. */
 static int swarm_is_exact(const swarm *s)
 {
     pbw_mesh mesh = { 0 };

@@ -820,17 +820,17 @@ def points_added():
 def same_as_anew(live):
     """Equal to the triangulation of the points there are, in the order of their numbers."""
     numbers, weights = live.numbers, live.weights
-    anew = pbw.Delaunay(live.points[numbers], weights=None if weights is None else weights[numbers])
-    equal(live.simplices, numbers[anew.simplices])
-    equal(live.neighbors, anew.neighbors)
-    equal(live.vertex_to_simplex[numbers], anew.vertex_to_simplex)
-    equal(live.hidden, numbers[anew.hidden])
+    rebuilt = pbw.Delaunay(live.points[numbers], weights=None if weights is None else weights[numbers])
+    equal(live.simplices, numbers[rebuilt.simplices])
+    equal(live.neighbors, rebuilt.neighbors)
+    equal(live.vertex_to_simplex[numbers], rebuilt.vertex_to_simplex)
+    equal(live.hidden, numbers[rebuilt.hidden])
     for name in ("convex_hull", "min_bound", "max_bound"):
-        ours, theirs = getattr(live, name), getattr(anew, name)
+        ours, theirs = getattr(live, name), getattr(rebuilt, name)
         equal(ours, numbers[theirs] if name == "convex_hull" else theirs)
     middle = live.points[numbers].mean(axis=0)
-    equal(live.find_simplex(middle), anew.find_simplex(middle))
-    equal(live.nearest(middle, 5)[1], numbers[anew.nearest(middle, 5)[1]])
+    equal(live.find_simplex(middle), rebuilt.find_simplex(middle))
+    equal(live.nearest(middle, 5)[1], numbers[rebuilt.nearest(middle, 5)[1]])
 
 
 @test
@@ -1583,6 +1583,11 @@ def solids():
                        size=lambda p: 0.3 if p[0] < 0.5 else 0.15, patches=[4] * 12 + [7] * 12)
     check(sorted(set(nested.regions)) == [0, 1] and sorted(set(nested.patches)) == [4, 7], nested.report)
     check(abs(volumes(nested)[nested.regions == 1].sum() - 0.064) < 1e-9, nested.report)
+    even = len(pbw.solid(cube, hull, size=0.3).tets)
+    same = len(pbw.solid(cube, hull, size=lambda p: 0.3).tets)
+    check(0.5 * even < same < 2 * even, (even, same))
+    open_ended = pbw.solid(cube, hull, size=lambda p: 0.15 if p[0] < 0.5 else np.inf)
+    check(even < len(open_ended.tets) < 100 * even, len(open_ended.tets))
     raises(AttributeError, pbw.solid, cube, hull, size=lambda p: p.missing)
     raises(pbw.Error, pbw.solid, cube, hull[:1], size=0.25)
     raises(ValueError, pbw.solid, cube, [[0, 1, 8]])

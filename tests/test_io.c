@@ -840,7 +840,7 @@ static void check_vtu(const pbw_mesh *mesh)
     free(data);
 }
 
-/* Formats for solvers, whose points are numbered anew: sizes and groups of what is kept, as read back. */
+/* Formats for solvers, which number points from 1 without gaps: sizes and groups of what is kept, as read back. */
 static void test_solvers(int dim, const unsigned char *keep, const pbw_mesh *mesh)
 {
     static const size_t across[2][4] = { { 2, 0, 1, 0 }, { 3, 2, 0, 1 } };    /* side S(k+1) is across from corner */

@@ -53,7 +53,7 @@ export class PbwError extends Error {
   }
 }
 
-// The address of a copy.  Views are made anew after each call: memory that grows detaches the old ones.
+// The address of a copy.  Views are made again after each call: memory that grows detaches the old ones.
 function put(module, numbers) {
   const at = module.malloc(Math.max(8 * numbers.length, 8)) >>> 0;
   if (at === 0) throw new PbwError(MEMORY, text_of(module, MEMORY));

@@ -220,7 +220,7 @@ class Voronoi:
 
     def add_points(self, points, restart=False):
         """The diagram of the old points and these, for Voronoi(..., incremental=True).  The triangulation is changed
-        where the points are; cells are made anew.  restart: the triangulation, too."""
+        where the points are; cells are rebuilt.  restart: the triangulation, too."""
         if not self._incremental:
             raise RuntimeError("points are added after Voronoi(..., incremental=True) and before close() only")
         points = checked_more(points, None, self._mesh)[0]

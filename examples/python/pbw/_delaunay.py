@@ -229,7 +229,7 @@ class Delaunay:
 
     # Changes
     def add_points(self, points, restart=False, *, weights=None):
-        """Inserts points into the triangulation of Delaunay(..., incremental=True); restart: makes it anew instead.
+        """Inserts points into the triangulation of Delaunay(..., incremental=True); restart: rebuilds it instead.
 
         weights: one for each point, for triangulations with weights.  After an exception all is as before.
         """
