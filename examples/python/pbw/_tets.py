@@ -296,27 +296,22 @@ def improve(points, tets, target=30, seconds=0, feature_angle=40, regions=None, 
 
 
 def _longest(size, vertices):
-    """Returns the largest finite size at the vertices and in their box, at least 1/40 of its diagonal if one is
-    infinite; 0 if none is finite."""
+    """Returns the largest size at the vertices and in their box; infinite ones are 1/40 of its diagonal."""
     if len(vertices) == 0 or not np.isfinite(vertices).all():
         return 0
     low, high = vertices.min(axis=0), vertices.max(axis=0)
-    axes = [np.linspace(low[k], high[k], 9) for k in range(3)]
-    places = itertools.chain(vertices.tolist(), itertools.product(*(axis.tolist() for axis in axes)))
-    found = np.array([float(size(tuple(place))) for place in places])
-    finite = found[np.isfinite(found) & (found > 0)]
-    if len(finite) == 0:
-        return 0
-    return max(finite.max(), 0 if len(finite) == len(found) else np.linalg.norm(high - low) / 40)
+    grid = itertools.product(*(np.linspace(low[k], high[k], 9).tolist() for k in range(3)))
+    sizes = np.array([float(size(tuple(place))) for place in itertools.chain(vertices.tolist(), grid)])
+    return max(0, np.where(np.isfinite(sizes), sizes, np.linalg.norm(high - low) / 40).max())
 
 
 def solid(vertices, faces, size=0, target=30, feature_angle=40, rounds=16, patches=None, nested=False,
           least_size=0, curvature=0, sharp="auto", close=False, most=50e6):
     """Tetrahedra inside a closed surface: vertices (n, 3), faces (m, 3), one or several shells.
 
-    size: length of edges, 0 = 1/40 of the diagonal, or a function of a point (x, y, z).  Nowhere are they longer than
-    that function at a vertex or at one of 729 places in the box; where it is infinite there, 1/40 of the diagonal is
-    enough.  They are shorter in thin walls, and with curvature=c at most c radii of curvature, but not below least_size.
+    size: length of edges, 0 = 1/40 of the diagonal, or a function of a point (x, y, z).  Of that the largest value at
+    the vertices and at 729 places in their box is the longest edge; infinite ones count as 1/40 of the diagonal.
+    They are shorter in thin walls, and with curvature=c at most c radii of curvature, but not below least_size.
     Edges of the surface that bend by more than feature_angle degrees are kept, and those between faces of different
     patches, a whole number or a name a face.  sharp: which of the edges that bend are kept, "all", "some", "none" or
     "auto".
