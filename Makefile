@@ -21,10 +21,10 @@ EXAMPLES_CXX = $(if $(shell command -v $(firstword $(CXX))),$(patsubst examples/
 EXPECTED = $(patsubst examples/expected/%.txt,%,$(wildcard examples/expected/*.txt))
 FUZZERS = $(patsubst tests/%.c,%,$(wildcard tests/fuzz_*.c))
 HEADERS = pbw.h $(wildcard tests/*.h examples/*.h examples/lib/*.h examples/program/*.h)
-SCRIPTS = $(filter packaging interface hashes examples asm oracle cells cmake csharp gappa install page plane python program \
-    programs queries seam tiles view web, $(patsubst tests/%.sh,%,$(wildcard tests/*.sh)))
+SCRIPTS = $(filter packaging interface hashes examples asm oracle cells cmake csharp gappa install page plane \
+    python program programs queries seam tiles view web, $(patsubst tests/%.sh,%,$(wildcard tests/*.sh)))
 # `make test` leaves these to `make test-all`, and tells the scripts by QUICK that one compiler is enough; it leaves out
-# those of WITHOUT, too.
+# tests and scripts of WITHOUT, too.
 LONG = asm cmake csharp install oracle programs view web
 SUITES = test test-all programs examples oracle asm arm names fuzz-long
 export CC CXX
@@ -117,8 +117,12 @@ BINDING = $(wildcard examples/python/*.c)
 $B/libpbw_python.so: $(BINDING) examples/python/pbw_python.h $(HEADERS) $B/libpbw.a $B/companions.a
 	$C $(IMPLEMENTED) -fPIC -shared $(BINDING) -o $@ $B/companions.a $B/libpbw.a $(LIBS)
 
+# `make test` compiles the tests with -O1, but for the slowest; what they link has CFLAGS.
 $(TESTS:%=$B/%): $B/%: tests/%.c $(HEADERS) $B/libpbw.a $B/companions.a
 	$C $< -o $@ $B/companions.a $B/libpbw.a $(LIBS)
+ifdef QUICK
+$(patsubst %,$B/%,$(filter-out $(SLOWEST),$(TESTS))): private CFLAGS := $(CFLAGS:-O2=-O1)
+endif
 
 $B/test_tilefile: examples/program/tiles.c examples/program/pbwt.c
 $B/test_scalar: tests/test_threads.c
@@ -157,7 +161,8 @@ $B/oracle_voro: tests/oracle_voro.cpp $(HEADERS) $B/libpbw.a
 
 # Tests: each writes $B/NAME.log, which ends with its counts.  COUNT_NAME=n is for one, COUNT=n for all others.
 OWN = $(or $(COUNT_$(<F)),$(COUNT))
-HOW = $(if $(OWN),--count $(OWN),$(if $(QUICK),$(QUICK_$(<F)))) $(if $(UNDER),$(UNDER_$(<F)))
+HOW = $(if $(OWN),--count $(OWN),$(if $(QUICK),$(QUICK_$(<F)))) $(if $(UNDER),$(UNDER_$(<F))) \
+    $(if $(SANITIZED),$(SANITIZED_$(<F)))
 $(TESTS:%=$B/%.log): $B/%.log: $B/% FORCE
 	@sh tests/run.sh $@ $(UNDER) $< $(HOW)
 
@@ -173,7 +178,7 @@ $B/csharp.log: $B/libpbw.so
 $B/install.log: $B/pbw $B/libpbw.a $B/libpbw.so
 $B/plane.log $B/program.log $B/programs.log $B/queries.log $B/tiles.log: $B/pbw
 $B/tiles.log: $(MPI)
-$B/hashes.log $B/oracle.log $B/cells.log $B/web.log: $B/libpbw.a
+$B/hashes.log $B/oracle.log $B/cells.log $B/web.log $B/packaging.log: $B/libpbw.a
 $B/hashes.log $B/tiles.log: $B/companions.a
 
 # One that does not compile is a failure, and the others still run.  The long ones come first, and are compiled before
@@ -181,7 +186,7 @@ $B/hashes.log $B/tiles.log: $B/companions.a
 FIRST = $(filter $(SLOWEST),$(TESTS))
 REST = $(filter-out $(SLOWEST),$(TESTS))
 test-all: LOGS = $(patsubst %,$B/%.log,$(FIRST) $(SCRIPTS) $(REST))
-test: LOGS = $(patsubst %,$B/%.log,$(FIRST) $(filter-out $(LONG) $(WITHOUT),$(SCRIPTS)) $(REST))
+test: LOGS = $(patsubst %,$B/%.log,$(FIRST) $(filter-out $(LONG) $(WITHOUT),$(SCRIPTS) $(REST)))
 test-all test programs: BEFORE = $B/libpbw.a $(FIRST:%=$B/%)
 test: export QUICK = 1
 QUICK_test_answer = --count 6000
@@ -218,12 +223,14 @@ demo: $B/pbw $B/model
 	sh examples/demo.sh $B
 
 asan ubsan tsan sanitize: %:
-	@$(MAKE) --no-print-directory B=$B/$* CFLAGS='-O1 $(DEBUG) -fno-omit-frame-pointer -fsanitize=$(SANITIZE_$*)' programs
+	@$(MAKE) --no-print-directory B=$B/$* CFLAGS='-O1 $(DEBUG) -fno-omit-frame-pointer -fsanitize=$(SANITIZE_$*)' \
+	    SANITIZED=1 programs
 DEBUG = -g1                     # reports with lines, for a fifth of the time of compilers; without, with functions
 SANITIZE_asan = address
 SANITIZE_ubsan = undefined -fno-sanitize-recover=all
 SANITIZE_tsan = thread
 SANITIZE_sanitize = address,undefined -fno-sanitize-recover=all
+SANITIZED_test_resources = --without '1 threads' --without 'threads, '     # two of 12 builds of 200,000 points
 
 # All but builds of 10,000 points and more, which take minutes there, and the test that reads a thread's dead stack.
 valgrind:

@@ -2,12 +2,16 @@
 # leave processors idle, those of others run.  The longest step comes first.
 ALL = gcc sanitize clang arm tsan
 gcc = test-all CC=gcc CXX=g++
-sanitize = sanitize CC=clang DEBUG= COUNT=2000 COUNT_test_threads=300 COUNT_test_scalar=300
-clang = test CC=clang CXX=clang++ WITHOUT='$(COMMON)'
+sanitize = sanitize CC=clang DEBUG= COUNT=1000 COUNT_test_clip=300 COUNT_test_tiles=300 COUNT_test_live=160 \
+    COUNT_test_threads=300 COUNT_test_scalar=300
+clang = test CC=clang CXX=clang++ WITHOUT='$(COMMON) $(OTHERWISE)'
 arm = arm CC=gcc
-tsan = tsan CC=gcc TESTS='test_threads test_live_local' COUNT_test_threads=400 COUNT_test_live_local=16
+tsan = tsan CC=gcc COMPANIONS= TESTS='test_threads test_live_local' COUNT_test_threads=300 COUNT_test_live_local=8
 # Scripts for which the compiler makes no difference, or which take several compilers themselves, run with gcc only.
 COMMON = cells gappa hashes interface packaging page plane program python queries tiles
+# Tests of files, arguments and limits run with gcc and, compiled by clang, under sanitizers.
+OTHERWISE = test_contract test_empty test_groups test_io test_read test_resources test_syscalls test_tilefile \
+    test_view
 
 .PHONY: all logs packages $(ALL)
 all: $(ALL)

@@ -13,6 +13,7 @@ check() {   # check NAME COMMAND...
         tail -n 8 "$work/out" | sed 's/^/    /'
     fi
 }
+in_full() { [ -n "$QUICK" ] || check "$@"; }            # what `make test` leaves to `make test-all`
 skip() { skipped=$((skipped + 1)); echo "skipped $1"; }
 finish() {  # the last line and the exit status that tests/run.sh expects
     echo "$passed passed, $failed failed, $skipped skipped"

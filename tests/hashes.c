@@ -1,6 +1,9 @@
 /* hashes.c: prints, for each of many inputs, a hash of all arrays that pbw made, byte by byte, and pbw_hash; then
    those of a few others for which they are not what is stored here.  tests/hashes.sh compares what differently
    compiled programs print. */
+#ifndef PBW__IMPLEMENTED
+#define PBW_STATIC                                   /* what is not called here is not compiled */
+#endif
 #define PBW_IMPLEMENTATION
 #include "../pbw.h"
 #include "zoo.h"

@@ -792,11 +792,15 @@ check "KB are thousands" says 1 "within --memory-limit 1MB" mesh --generate unif
 check "an angle out of range" early 2 "--angle 40: a number above 0 and up to 34 is needed" plane m.csv --angle 40
 check "a size below 0" early 2 "--size -1: a number above 0, a formula or a column" plane m.csv --size -1
 check "the only format of -" sh -c "'$pbw' nearest atoms.csv atoms.csv --columns x,y,z -o - 2> said | grep ','"
-mkdir -p shown
-cp closed.obj shown/model.obj
-"$pbw" mesh --quiet --generate uniform 60 -o shown/points.csv -o shown/queries.csv -o shown/mesh.msh
-printf 'insert,0.5,0.5,0.5\nremove,3\ncommit\n' > shown/changes.csv
-printf '4 2 0 0\n1 0 0\n2 1 0\n3 1 1\n4 0 1\n4 0\n1 1 2\n2 2 3\n3 3 4\n4 4 1\n0\n' > shown/domain.poly
+mkdir -p given
+cp closed.obj given/model.obj
+"$pbw" mesh --quiet --generate uniform 60 -o given/points.csv -o given/queries.csv -o given/mesh.msh
+printf 'insert,0.5,0.5,0.5\nremove,3\ncommit\n' > given/changes.csv
+printf '4 2 0 0\n1 0 0\n2 1 0\n3 1 1\n4 0 1\n4 0\n1 1 2\n2 2 3\n3 3 4\n4 4 1\n0\n' > given/domain.poly
+"$pbw" tiles --quiet given/points.csv -o given/mesh.pbwt
+example() { # example ARGUMENTS: of the help, in a folder that has the inputs and nothing that others wrote
+    rm -rf shown && cp -r given shown && sh -c "cd shown && '$pbw' $1 < /dev/null"
+}
 tells_formats() {   # tells_formats COMMAND: but for texts; live has those of mesh
     "$pbw" $1 atoms.csv $(case $1 in locate | nearest) echo atoms.csv ;; esac) -o x.none > said 2>&1
     case $1 in bench | hash) grep 'has no option -o' said; return ;; esac
@@ -812,7 +816,7 @@ for command in mesh sample check convert bench view locate nearest cells plane i
     check "the help of $command has the formats that it writes" tells_formats $command
     check "the help of $command ends with two examples" [ "$(wc -l < shown.txt)" -eq 2 ]
     while read -r line; do
-        check "pbw $line" sh -c "cd shown && '$pbw' $line < /dev/null"
+        check "pbw $line" example "$line"
     done < shown.txt
 done
 tells_its_own() {   # the help of an option that commands share has no meaning that another command gives it

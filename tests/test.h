@@ -14,7 +14,8 @@
    A test is what lies between test_begin and test_end; it passes if all of its checks hold.  The last line of the
    output is `N passed, N failed, N skipped`, and the exit status is 1 if a test failed.  Checks are for one thread.
    Options, the first two as often as you like: --filter TEXT (only tests whose name has it), --without TEXT (not
-   these), --part K/N (of these, each N-th from the K-th), --seed N, --count N (random cases), --verbose. */
+   these), --part K/N (of these, each N-th from the K-th), --seed N, --count N (random cases), --verbose (a line for
+   each test, with its seconds of processor time). */
 #ifndef TEST_H
 #define TEST_H
 
@@ -23,6 +24,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 #if defined(__GNUC__)
 #define TEST_UNUSED __attribute__((unused))
@@ -45,6 +47,7 @@ static long test_part = 1, test_parts = 1;      /* --part */
 static long test_named;                         /* tests that the names chose so far */
 static int test_verbose, test_argc;
 static char **test_argv;
+static clock_t test_clock;                      /* when the test began */
 static char test_name[160];
 static long test_passed, test_failed, test_skipped, test_faults, test_checks;
 
@@ -102,6 +105,7 @@ TEST_UNUSED static int test_begin(const char *format, ...)
     vsnprintf(test_name, sizeof test_name, format, arguments);
     va_end(arguments);
     test_faults = test_checks = 0;
+    test_clock = clock();
     return test_is_named("--filter", 1) && !test_is_named("--without", 0) && test_named++ % test_parts == test_part - 1;
 }
 
@@ -109,8 +113,8 @@ TEST_UNUSED static void test_end(void)
 {
     *(test_faults != 0 ? &test_failed : &test_passed) += 1;
     if (test_faults != 0 || test_verbose) {
-        printf("%s %s: %ld checks, %ld faults\n", test_faults != 0 ? "FAILED" : "passed", test_name, test_checks,
-               test_faults);
+        printf("%s %s: %ld checks, %ld faults, %.2f s\n", test_faults != 0 ? "FAILED" : "passed", test_name,
+               test_checks, test_faults, (double)(clock() - test_clock) / CLOCKS_PER_SEC);
     }
     fflush(stdout);
 }

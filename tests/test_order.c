@@ -3,6 +3,7 @@
 #include <pthread.h>
 
 #define PBW__TEST_SMALL_SHARES                       /* few points make many tasks */
+#define PBW_STATIC                                   /* what is not tested here is not compiled */
 #define PBW_IMPLEMENTATION
 #include "../pbw.h"
 #include "inputs.h"

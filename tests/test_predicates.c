@@ -9,6 +9,7 @@
 #ifndef CALLS
 #define CALLS 200000
 #endif
+#define PBW_STATIC                                   /* what is not tested here is not compiled */
 #define PBW_IMPLEMENTATION
 #include "../pbw.h"
 #include "oracle.h"

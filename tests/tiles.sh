@@ -1,6 +1,7 @@
 #!/bin/sh
 # tiles.sh FOLDER: pbw tiles, hash, check and convert of FOLDER/pbw: the same triangulation as at once, for many kinds
-# of points; files that are damaged, disks that are full, runs that are killed; and examples/mpi.c over MPI.
+# of points; files that are damaged, disks that are full, runs that are killed; and examples/mpi.c over MPI, with QUICK
+# a few runs of each kind.
 bin=$(cd "$1" && pwd)
 root=$(pwd)
 pbw=$bin/pbw work=$bin/tiles
@@ -36,7 +37,7 @@ END
 ${CC:-cc} -std=c99 $CFLAGS -I"$root/tests" points.c -o points -lm || exit 2
 for kind in 0 4 5 3; do
     for dim in 2 3; do
-        ./points $kind $dim 3000 0 > k$kind.$dim.bin
+        ./points $kind $dim $([ $kind = 3 ] && echo 1500 || echo 3000) 0 > k$kind.$dim.bin
     done
 done
 ./points 0 3 3000 4 > weighted.bin
@@ -120,6 +121,7 @@ done
 cat > forge.c << 'END'
 /* forge FILE HOW: changes a tile and its checksums. */
 #include "pbw_tilefile.h"
+#include <stdlib.h>
 int main(int argc, char **argv)
 {
     const int how = argc > 2 ? atoi(argv[2]) : 0;
@@ -356,19 +358,20 @@ if command -v mpirun > /dev/null && [ -x "$bin/mpi" ]; then
     check "MPI: 4 ranks" ranks 4 k4.3.bin
     check "MPI: 3 ranks in 2D, leftovers" ranks 3 k3.2.bin --dim 2
     check "MPI: 2 ranks, weighted" ranks 2 weighted.bin --weights w
-    check "MPI: 16 ranks" ranks 16 k0.3.bin
-    check "MPI: 1 rank" ranks 1 few.bin
-    ./points 0 3 500000 0 > many.bin                 # whose points travel in several bundles
-    check "MPI: 5 ranks of many points" ranks 5 many.bin
+    in_full "MPI: 16 ranks" ranks 16 k0.3.bin
+    in_full "MPI: 1 rank" ranks 1 few.bin
+    check "MPI: 5 ranks" ranks 5 long.bin
+    ./points 0 3 300000 0 > many.bin                 # of which 75,000 travel each way, in three bundles
+    check "MPI: 2 ranks of many points" ranks 2 many.bin
     mpi_fails() {   # mpi_fails TEXT ARGUMENT...
         text=$1
         shift
         ! mpirun -np 3 "$bin/mpi" "$@" > said 2>&1 && cat said && grep -qF -- "$text" said
     }
     check "MPI: a truncated file" mpi_fails "truncated" short.bin -o no.pbwt
-    check "MPI: a point that is not finite" mpi_fails "not finite" nan.bin -o no.pbwt
-    check "MPI: too little memory" mpi_fails "memory" long.bin --memory-limit 3000000 -o no.pbwt
-    check "MPI: no folder" mpi_fails "none/no.pbwt" k0.3.bin -o none/no.pbwt
+    in_full "MPI: a point that is not finite" mpi_fails "not finite" nan.bin -o no.pbwt
+    in_full "MPI: too little memory" mpi_fails "memory" long.bin --memory-limit 3000000 -o no.pbwt
+    in_full "MPI: no folder" mpi_fails "none/no.pbwt" k0.3.bin -o none/no.pbwt
     mpi_killed() {
         timeout 60 mpirun -np 3 "$bin/mpi" k0.3.bin --die 1 -o no.pbwt > said 2>&1
         code=$?
@@ -380,7 +383,7 @@ if command -v mpirun > /dev/null && [ -x "$bin/mpi" ]; then
         mkdir r.pbwt.scratch && touch r.pbwt.scratch/lock r.pbwt.scratch/0.chunk r.pbwt.scratch/4.chunk &&
             ranks 3 k0.3.bin --threads 2 && [ "$(echo r.pbwt*)" = r.pbwt ]
     }
-    check "MPI: and the next run is as any" as_any
+    in_full "MPI: and the next run is as any" as_any
     # A run that fails when tiles are finished, as a folder has the name of the output, leaves them.
     late() {     # late INPUT
         rm -rf r.pbwt* && mkdir r.pbwt && mpi_fails "r.pbwt: " "$1" -o r.pbwt && rmdir r.pbwt &&
@@ -403,18 +406,17 @@ if command -v mpirun > /dev/null && [ -x "$bin/mpi" ]; then
     }
     mpi_at_once() {      # two runs on one output, which goes nowhere but there
         echo mine > twice.pbwt.part && ln -s twice.pbwt.part twice.pbwt.0
-        mpirun -np 2 "$bin/mpi" many.bin -o twice.pbwt > first 2>&1 & one=$!
-        mpirun -np 2 "$bin/mpi" many.bin -o twice.pbwt > second 2>&1
+        mpirun -np 2 "$bin/mpi" long.bin -o twice.pbwt > first 2>&1 & one=$!
+        mpirun -np 2 "$bin/mpi" long.bin -o twice.pbwt > second 2>&1
         two=$?
         wait $one
         one=$?
         cat first second
         [ $((one + two)) = 0 ] || { [ $((one + two)) = 1 ] &&
             cat first second | grep 'is in use: process [0-9]* works'; } || return 1
-        "$pbw" check twice.pbwt && hash_of twice.pbwt > one && hash_of r.pbwt > two && cmp one two &&
+        "$pbw" check twice.pbwt && hash_of twice.pbwt > one && hash_of f.pbwt > two && cmp one two &&
             grep mine twice.pbwt.0 && [ "$(echo twice.pbwt*)" = "twice.pbwt twice.pbwt.0 twice.pbwt.part" ]
     }
-    check "MPI: 2 ranks of many points" ranks 2 many.bin
     check "MPI: two runs on one output" mpi_at_once
     of_others() {        # files with names of scratch files in a folder without a lock
         mkdir twice.pbwt.scratch && echo mine > twice.pbwt.scratch/1.chunk &&
@@ -423,12 +425,12 @@ if command -v mpirun > /dev/null && [ -x "$bin/mpi" ]; then
     }
     check "MPI: a folder of others" of_others
     check "MPI: finished tiles are taken up" all_finished
-    check "MPI: those that are whole, if not all are" one_killed
-    check "MPI: a state that is damaged" flipped_head
+    in_full "MPI: those that are whole, if not all are" one_killed
+    in_full "MPI: a state that is damaged" flipped_head
     with_leftovers() { late k3.3.bin && goes_on 3 k3.3.bin && ! grep -q ' 0 given up' log; }
-    check "MPI: and leftovers made of them" with_leftovers
+    in_full "MPI: and leftovers made of them" with_leftovers
     other_points() { late k0.3.bin && goes_on 0 k4.3.bin; }
-    check "MPI: not those of other points" other_points
+    in_full "MPI: not those of other points" other_points
     mpi_short() {   # a limit of rank 1's address space: its own allocations fail, outside of its tile
         for limit in 280000 320000 360000; do
             mpirun -np 3 sh -c "[ \$OMPI_COMM_WORLD_RANK != 1 ] || ulimit -v $limit
@@ -438,7 +440,7 @@ if command -v mpirun > /dev/null && [ -x "$bin/mpi" ]; then
         cat said
         return 1
     }
-    check "MPI: a rank without memory ends all, and says so" mpi_short
+    in_full "MPI: a rank without memory ends all, and says so" mpi_short
 else
     skip "MPI: no mpirun, or no mpicc"
 fi
