@@ -21,11 +21,11 @@ EXAMPLES_CXX = $(if $(shell command -v $(firstword $(CXX))),$(patsubst examples/
 EXPECTED = $(patsubst examples/expected/%.txt,%,$(wildcard examples/expected/*.txt))
 FUZZERS = $(patsubst tests/%.c,%,$(wildcard tests/fuzz_*.c))
 HEADERS = pbw.h $(wildcard tests/*.h examples/*.h examples/lib/*.h examples/program/*.h)
-SCRIPTS = $(filter packaging interface hashes examples asm oracle cells cmake csharp gappa install page plane \
+SCRIPTS = $(filter packaging interface hashes examples asm oracle cells cmake csharp cuda gappa install page plane \
     python program programs queries seam tiles view web, $(patsubst tests/%.sh,%,$(wildcard tests/*.sh)))
 # `make test` leaves these to `make test-all`, and tells the scripts by QUICK that one compiler is enough; it leaves out
 # tests and scripts of WITHOUT, too.
-LONG = asm cmake csharp install oracle programs view web
+LONG = asm cmake csharp cuda install oracle programs view web
 SUITES = test test-all programs examples oracle asm arm names fuzz-long
 export CC CXX
 
