@@ -176,7 +176,21 @@ build/bench_live_goals: bench/live.c examples/swarm.h $(HEADERS)
 bench-live-goals: build/bench_live_goals
 	$< $(ARGS)
 
-# pbw solid on all surfaces of CGAL's demo data, or on MODELS: bench/models.sh
+# pbw solid on all surfaces of CGAL's demo data, or on MODELS, beside Gmsh and TetGen: bench/models.sh
 .PHONY: bench-models
 bench-models: $B/pbw
-	bench/models.sh $< $(MODELS)
+	sh bench/models.sh $< $(MODELS)
+
+# pbw wrap beside CGAL's alpha wrap: bench/wrap.sh
+build/bench_wrap: bench/wrap.cpp
+	@mkdir -p build
+	$(CXX) -std=c++17 -frounding-math $(BENCH_FLAGS) -DNDEBUG $< -o $@ -lgmp -lmpfr
+
+.PHONY: bench-wrap
+bench-wrap: $B/pbw build/bench_wrap
+	sh bench/wrap.sh $B/pbw build/bench_wrap $(MODELS)
+
+# pbw fill beside TetGen: bench/fill.sh
+.PHONY: bench-fill
+bench-fill: $B/pbw
+	sh bench/fill.sh $< $(MODELS)

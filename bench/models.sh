@@ -1,34 +1,34 @@
 #!/bin/sh
-# models.sh PROGRAM [MODEL...]: `PROGRAM solid` at its default size on one thread, at most LIMIT seconds of processor
-# time (default 60) a model; a line for each, and at the end how many are good, poor, not ended and refused.
+# models.sh PROGRAM [MODEL...]: `PROGRAM solid` at its default size on one thread, and Gmsh and TetGen at that size where
+# they are installed, each for at most LIMIT seconds of processor time (default 60) a model; JOBS models (1) at a time.
+# RIVALS= leaves the rivals out.  Where PROGRAM refuses, it runs with --wrap, too, if it has that.  A line for each, and
+# at the end how many have which verdict.
 # Without models: the surfaces of CGAL's demo data, from /usr/share/doc/libcgal-dev/data.tar.gz or the folder DATA.
 #   good      a boundary that is a manifold with the Euler number of the surface, at most 0.15 sizes away (0.3 if it
 #             has no sharp edges), dihedral angles of at least 20 degrees, or 9/10 of an acute edge's
+#   made      tetrahedra of a rival, which are not judged: its least angle is in the table
 #   refused   the program's message follows
-pbw=$1
-limit=${LIMIT:-60} data=${DATA:-/usr/share/doc/libcgal-dev/data.tar.gz}
-shift || exit 2
-work=$(mktemp -d) || exit 2
-trap 'rm -rf "$work"' EXIT
-if [ $# -eq 0 ]; then
-    if [ -f "$data" ]; then
-        tar xzf "$data" -C "$work" || exit 2
-        data=$work
-    fi
-    [ -d "$data" ] || { echo "models.sh: $data: CGAL's demo data are not there"; exit 2; }
-    find "$data" -name '*.off' | LC_ALL=C sort > "$work/list"
-else
-    printf '%s\n' "$@" > "$work/list"
+# Gmsh: surfaces classified by 40 degrees and meshed again, -optimize.  TetGen: -pq1.4/15 with the volume of a regular
+# tetrahedron; it keeps the facets.  Their seconds have reading and writing in them.
+model=
+if [ "$1" = --one ]; then       # models.sh --one PROGRAM MODEL: its rows, at once
+    model=$3
+    shift
 fi
+pbw=$1
+shift || exit 2
+. bench/common.sh
 
-printf '%-34s %7s %9s %6s %8s  %s\n' model seconds tets angle distance verdict
-while read -r model; do
-    rm -f "$work/out.mesh"
-    ( ulimit -t "$limit"; exec "$pbw" solid "$model" --threads 1 -o "$work/out.mesh" ) > "$work/report" 2>&1
-    awk -v status=$? -v limit="$limit" -v model="$(basename "$model" .off)" '
-        function row(verdict) { printf "%-34s %7s %9s %6s %8s  %s\n", model, seconds, tets, angle, distance, verdict }
+row() { printf '%-34s %-8s %8s %9s %6s %8s  %s\n' "$name" "$@"; }
+
+# The row of a report of pbw solid.
+judge() {   # judge PROGRAM-NAME STATUS
+    awk -v status="$2" -v limit="$limit" -v model="$name" -v program="$1" '
+        function row(verdict) {
+            printf "%-34s %-8s %8s %9s %6s %8s  %s\n", model, program, seconds, tets, angle, distance, verdict
+        }
         BEGIN { seconds = tets = angle = distance = "-"; acute = 180; most = 0.15 }
-        /^(sample|rounds|improve|measure) / { seconds = sprintf("%.2f", seconds + $2) }
+        /^(wrap|sample|rounds|improve|measure) / { seconds = sprintf("%.2f", seconds + $2) }
         /sharp edge/ && /^sample/ { sharp = $6; if (sharp == 0) most = 0.3 }
         / sharp edges?: (some|none)/ { if ($0 ~ /edges?: none/) most = 0.3 }
         / tetrahedra in / { tets = $1 }
@@ -47,7 +47,57 @@ while read -r model; do
                   (angle < least ? " angle" : "") (distance > most ? " distance" : "")
             row(why == "" ? "good" : "poor:" why)
         }' "$work/report"
-done < "$work/list" | tee "$work/table"
-awk '{ tail = substr($0, 70) } tail ~ /^ *good/ { good++ } tail ~ /^ *poor/ { poor++ } tail ~ /^ *not ended/ { late++ }
-     tail ~ /^ *refused/ { refused++ }
-     END { printf "%d good, %d poor, %d not ended, %d refused\n", good, poor, late, refused }' "$work/table"
+}
+
+solid() {   # solid PROGRAM-NAME OPTION...
+    as=$1
+    shift
+    ( ulimit -t "$limit"; exec "$pbw" solid "$model" "$@" --threads 1 -o "$work/out.mesh" ) > "$work/report" 2>&1
+    judge "$as" $?
+}
+
+# Runs a rival and prints its row; MESH: what it writes.
+rival() {   # rival NAME MESH COMMAND...
+    as=$1 mesh=$2
+    shift 2
+    timed "$@"
+    measure "$work/$mesh"
+    if [ -n "$tets" ]; then
+        row "$as" "$seconds" "$tets" "${angle:--}" - made
+    else
+        row "$as" "${seconds:-$limit}" - - - "$(failure "$code")"
+    fi
+}
+
+one() {
+    name=$(basename "$model" .off)
+    solid pbw | tee "$work/row"
+    if grep -q ' refused: ' "$work/row" && "$pbw" solid --help | grep -q -e ' --wrap'; then
+        solid pbw-wrap --wrap
+    fi
+    [ -n "${RIVALS-1}" ] || return
+    cp "$model" "$work/in.off"
+    size=$(diagonal "$model" | awk '{ printf "%.9g", $1 / 40 }')
+    "$pbw" convert "$model" "$work/in.stl" > "$work/report" 2>&1 && [ -n "$size" ] || return
+    if command -v gmsh > /dev/null; then
+        printf '%s\n' 'Merge "in.stl";' 'ClassifySurfaces{40*Pi/180, 1, 1, Pi};' 'CreateGeometry;' \
+            'Surface Loop(1) = Surface{:};' 'Volume(1) = {1};' "Mesh.MeshSizeMin = $size;" "Mesh.MeshSizeMax = $size;" \
+            > "$work/in.geo"
+        rival Gmsh out.msh gmsh in.geo -3 -optimize -nt 1 -v 2 -o out.msh
+    fi
+    if command -v tetgen > /dev/null; then
+        rival TetGen in.1.ele tetgen "-pq1.4/15a$(awk -v h="$size" 'BEGIN { printf "%.9g", 0.11785113 * h ^ 3 }')" in.off
+    fi
+}
+
+if [ -n "$model" ]; then
+    one > "$work/rows"
+    cat "$work/rows"
+    exit
+fi
+list_models "$@"
+name=model
+row program seconds tets angle distance verdict
+tr '\n' '\0' < "$work/list" | xargs -0 -n 1 -P "${JOBS:-1}" sh "$0" --one "$pbw" | tee "$work/table"
+awk 'NR > 1 { sub(/:$/, "", $7); $7 = $7 == "not" ? "not ended" : $7; count[$2 ": " $7]++ }
+     END { for (verdict in count) print verdict, count[verdict] }' "$work/table" | LC_ALL=C sort
