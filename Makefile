@@ -118,11 +118,11 @@ BINDING = $(wildcard examples/python/*.c)
 $B/libpbw_python.so: $(BINDING) examples/python/pbw_python.h $(HEADERS) $B/libpbw.a $B/companions.a
 	$C $(IMPLEMENTED) -fPIC -shared $(BINDING) -o $@ $B/companions.a $B/libpbw.a $(LIBS)
 
-# `make test` compiles the tests with -O1, but for the slowest; what they link has CFLAGS.
+# `make test` compiles tests and examples with -O1, but for the slowest tests; what they link has CFLAGS.
 $(TESTS:%=$B/%): $B/%: tests/%.c $(HEADERS) $B/libpbw.a $B/companions.a
 	$C $< -o $@ $B/companions.a $B/libpbw.a $(LIBS)
 ifdef QUICK
-$(patsubst %,$B/%,$(filter-out $(SLOWEST),$(TESTS))): private CFLAGS := $(CFLAGS:-O2=-O1)
+$(patsubst %,$B/%,$(filter-out $(SLOWEST),$(TESTS)) $(EXAMPLES)): private CFLAGS := $(CFLAGS:-O2=-O1)
 endif
 
 $B/test_tilefile: examples/program/tiles.c examples/program/pbwt.c
@@ -195,6 +195,7 @@ QUICK_test_predicates = --count 50000
 QUICK_test_threads = --count 500
 QUICK_test_scalar = --count 500
 QUICK_test_tiles = --count 1000
+QUICK_test_resources = --without 'threads, '
 programs: LOGS = $(patsubst %,$B/%.log,$(FIRST) $(REST))
 examples: LOGS = $B/examples.log
 oracle: LOGS = $B/oracle.log
