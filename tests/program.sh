@@ -810,7 +810,7 @@ tells_formats() {   # tells_formats COMMAND: but for texts; live has those of me
     done
     grep "; pbw $1 writes [a-z]" said
 }
-for command in mesh sample check convert bench view locate nearest cells plane improve solid tiles hash live; do
+for command in mesh sample check convert bench view locate nearest cells plane improve solid wrap tiles hash live; do
     "$pbw" help $command > help.txt
     sed -n '/^examples:/,$s/^  pbw //p' help.txt > shown.txt
     check "the help of $command has the formats that it writes" tells_formats $command
@@ -866,6 +866,28 @@ for option in --patches --split-patches; do
     check "the same in the file" grep -q '^2 6 "patch_5"$' plain.msh2
 done
 sed '$d' plain.obj > lid.obj
+check "a wrap" says 0 "in 1 component, " wrap lid.obj --alpha 0.5 -o wrapped.stl -o wrapped.msh2
+check "it is closed" says 0 "closed, 1 component" check wrapped.stl
+check "so are its tetrahedra" says 0 "links are right, Delaunay" check wrapped.msh2
+check "a shell, and the remedy" says 0 "around both sides of the model, which is open; --alpha " wrap lid.obj --alpha 0.2
+closing=$(sed -n 's/.* --alpha \(.*\) closes it/\1/p' said)
+check "the remedy works" sh -c "'$pbw' wrap lid.obj --alpha $closing > closed.txt 2>&1 && ! grep shell closed.txt"
+check "a wrap keeps groups" says 0 "" wrap bar.stl --alpha 0.3 -o wrapped.vtu -o groups.msh2
+check "their names and tags" sh -c '[ "$(sed -n "/^2 [1-9]/p" groups.msh2 | sed 3q | tr -d "\n")" = \
+    "2 1 \"inlet\"2 2 \"outlet\"2 3 \"wall\"" ]'
+printf '0.5 0.5 0.5\n9 9 9\n' > seeds.xyz
+(cube 0 0 1; cube 8 0.1 0.9) > hollow.obj
+check "a cavity with a seed" says 0 "in 2 components, " wrap hollow.obj --alpha 0.2 --offset 0.01 --cavities seeds.xyz
+check "a seed outside" grep -q "1 seed is nearer to the model than alpha, or outside of its box" said
+(cat lid.obj; printf 'v 9 9 9\n') > spare.obj
+check "a spare point is told" says 0 "1 point of no face or segment is left out; --all-points" wrap spare.obj --alpha 0.5
+check "and wrapped" says 0 "in 2 components, " wrap spare.obj --alpha 0.5 --all-points
+check "tetrahedra are wrapped" says 0 "in 1 component, " wrap wrapped.msh2 --alpha 0.5
+printf '1 1 1\n1 1 1\n' > still.xyz
+check "all at one place" says 1 "still.xyz: all of it is at one place; --alpha says" wrap still.xyz
+printf '1e12 1 1\n1e12 2 3\n' > distant.xyz
+check "far from the origin" says 1 "is below 1e-9 of its largest coordinate; a larger --offset" wrap distant.xyz
+check "wrap --most" says 1 "more tetrahedra than --most allows" wrap lid.obj --most 100
 check "a hole is listed" says 0 "hole: 46 facets, area 2, centre (1, 0.5, 1)" solid lid.obj --size 0.4 --patches
 for word in g o usemtl; do
     (cat corners.obj; echo "$word in let"; echo f 1 5 7 3; echo "$word outlet"; echo f 2 4 8 6; echo "$word wall"

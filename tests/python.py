@@ -1593,6 +1593,36 @@ def solids():
     raises(ValueError, pbw.solid, cube, [[0, 1, 8]])
 
 
+@test
+def wraps():
+    corners = np.array(list(itertools.product((0., 1.), repeat=3)))
+    faces = np.array([[0, 1, 3], [0, 3, 2], [4, 7, 5], [4, 6, 7], [0, 5, 1], [0, 4, 5], [2, 3, 7], [2, 7, 6],
+                      [0, 2, 6]])
+    made = pbw.wrap(corners, faces, alpha=0.2)       # five sides and a half
+    edges = np.concatenate([made.faces[:, [i, (i + 1) % 3]] for i in range(3)])
+    equal(np.unique(edges, axis=0), np.unique(edges[:, ::-1], axis=0))
+    check(len(np.unique(edges, axis=0)) == len(edges) and made.faces.max() + 1 == made.vertex_count)
+    a, b, c, d = (made.points[made.tets[:, i]] for i in range(4))
+    volume = np.einsum("ij,ij->i", np.cross(b - a, c - a), d - a) / 6
+    check((volume > 0).all() and abs(volume.sum() - made.report["volume"]) < 1e-9, made.report)
+    check((made.neighbors < 0).sum() == len(made.faces) == len(made.elements) and made.elements.max() < 9)
+    check(made.report["shell"] == 1 and made.report["open_edges"] > 0, made.report)
+    closed = pbw.wrap(corners, faces, alpha=0.2, closing=True).report["closing"]
+    check(pbw.wrap(corners, faces, alpha=closed).report["shell"] == 0, closed)
+    check(len(pbw.wrap(corners, faces, alpha=lambda p: 0.3 if p[0] > 0.5 else 0.1).faces) > 500)
+    check(pbw.wrap(corners, segments=[[0, 1], [0, 2]], alpha=0.2).report["components"] == 1)
+    check(pbw.wrap(corners, alpha=0.2).report["components"] == 8)
+    seeded = pbw.wrap(corners, faces, alpha=0.5, offset=0.02, seeds=[[9, 9, 9]])
+    check(seeded.report["unused_seeds"] == 1 and seeded.report["offset"] == 0.02, seeded.report)
+    raises_text(pbw.Error, "nothing to wrap", pbw.wrap, corners, singles=[])
+    raises_text(pbw.Error, "at one place", pbw.wrap, corners[:1])
+    raises_text(pbw.Error, "the offset", pbw.wrap, corners + 1e12, faces)
+    raises_text(pbw.Error, "more tetrahedra", pbw.wrap, corners, faces, alpha=0.1, most=10)
+    raises_text(ValueError, "alpha must be from 0 to .*, not -1", pbw.wrap, corners, faces, alpha=-1)
+    raises(ValueError, pbw.wrap, corners, [[0, 1, 8]])
+    raises(AttributeError, pbw.wrap, corners, faces, alpha=lambda p: p.missing)
+
+
 def main():
     passed = failed = skipped = 0
     for function in tests:

@@ -78,7 +78,7 @@ for behind in query live; do
 done
 surface='#define PBW_SURFACE_IMPLEMENTATION
 #include "pbw_surface.h"'
-for behind in improve mesh3 adapt3 stuffing; do
+for behind in improve mesh3 adapt3 stuffing wrap; do
     check "pbw_$behind.h without PBW_SURFACE_IMPLEMENTATION: one clear error" refuses $behind pbw_surface . ''
     check "pbw_$behind.h behind another pbw_surface.h: one clear error" refuses $behind pbw_surface "$work" "$surface"
 done

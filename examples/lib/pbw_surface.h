@@ -458,11 +458,11 @@ static void pbwsf__nearest_in(const double *a, const double *b, const double *c,
         memcpy(out, b, 3 * sizeof *out);
     } else if (d6 >= 0 && d5 <= d6) {
         memcpy(out, c, 3 * sizeof *out);
-    } else if (vc <= 0 && d1 >= 0 && d3 <= 0) {
+    } else if (vc <= 0 && d1 >= 0 && d3 <= 0 && d1 > d3) {     /* a and b are not at one place */
         pbwsf__between(a, b, d1 / (d1 - d3), out);
-    } else if (vb <= 0 && d2 >= 0 && d6 <= 0) {
+    } else if (vb <= 0 && d2 >= 0 && d6 <= 0 && d2 > d6) {
         pbwsf__between(a, c, d2 / (d2 - d6), out);
-    } else if (va <= 0 && d4 >= d3 && d5 >= d6) {
+    } else if (va <= 0 && d4 >= d3 && d5 >= d6 && (d4 - d3) + (d5 - d6) > 0) {
         pbwsf__between(b, c, (d4 - d3) / ((d4 - d3) + (d5 - d6)), out);
     } else {
         for (k = 0; k < 3; k++) {
@@ -1735,34 +1735,40 @@ PBWSURFACEDEF void pbw_surface_faults_free(pbw_surface_faults *faults)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   >>seam         What pbw_improve.h, pbw_mesh3.h, pbw_adapt3.h and pbw_stuffing.h use of the rooms above.
+   >>seam         What pbw_improve.h, pbw_mesh3.h, pbw_wrap.h and others use of the rooms above.
    Holds: the list is what they use, tests/seam.sh compares; whoever changes what a name in it means, raises it.
 
    They are compiled behind this header, in one source file, and refuse another number.
 
-     PBWSF__SHARED      improve                        interface
-     pbwsf__counts      improve mesh3                  arrays
-     pbwsf__flags       improve mesh3                  arrays
-     pbwsf__indices     improve mesh3                  arrays
-     pbwsf__numbers     improve mesh3                  arrays
-     pbwsf__pair        mesh3                          arrays
-     pbwsf__pairs       improve mesh3                  arrays
-     pbwsf__quadruples  improve mesh3                  arrays
-     pbwsf__triple      mesh3                          arrays
-     pbwsf__triples     mesh3                          arrays
-     pbwsf__vector      mesh3                          arrays
-     pbwsf__vectors     improve mesh3                  arrays
-     pbwsf__between     improve mesh3                  vectors
-     pbwsf__cross       improve mesh3                  vectors
-     pbwsf__distance    adapt3 improve mesh3 stuffing  vectors
-     pbwsf__dot         improve mesh3                  vectors
-     pbwsf__minus       improve mesh3                  vectors
-     pbwsf__normal      improve mesh3                  vectors
-     pbwsf__bytes       adapt3 improve mesh3           tree
-     pbwsf__corner      mesh3                          tree
-     pbwsf__normal_of   mesh3                          tree
-     pbwsf__nearest_in  mesh3                          queries
-     pbwsf__ray         mesh3                          queries
+     PBWSF__SHARED      improve                             interface
+     pbwsf__counts      improve mesh3                       arrays
+     pbwsf__flags       improve mesh3                       arrays
+     pbwsf__indices     improve mesh3 wrap                  arrays
+     pbwsf__numbers     improve mesh3 wrap                  arrays
+     pbwsf__pair        mesh3                               arrays
+     pbwsf__pairs       improve mesh3                       arrays
+     pbwsf__quadruples  improve mesh3 wrap                  arrays
+     pbwsf__triple      mesh3                               arrays
+     pbwsf__triples     mesh3 wrap                          arrays
+     pbwsf__vector      mesh3 wrap                          arrays
+     pbwsf__vectors     improve mesh3 wrap                  arrays
+     pbwsf__between     improve mesh3 wrap                  vectors
+     pbwsf__cross       improve mesh3 wrap                  vectors
+     pbwsf__distance    adapt3 improve mesh3 stuffing wrap  vectors
+     pbwsf__dot         improve mesh3 wrap                  vectors
+     pbwsf__minus       improve mesh3 wrap                  vectors
+     pbwsf__normal      improve mesh3 wrap                  vectors
+     PBWSF__DEPTH       wrap                                tree
+     pbwsf__box         wrap                                tree
+     pbwsf__bytes       adapt3 improve mesh3                tree
+     pbwsf__corner      mesh3 wrap                          tree
+     pbwsf__end_of      wrap                                tree
+     pbwsf__first_of    wrap                                tree
+     pbwsf__normal_of   mesh3                               tree
+     pbwsf__tree        wrap                                tree
+     pbwsf__box_meets   wrap                                queries
+     pbwsf__nearest_in  mesh3 wrap                          queries
+     pbwsf__ray         mesh3                               queries
    ------------------------------------------------------------------------------------------------------ */
 #define PBWSF__SEAM 1
 

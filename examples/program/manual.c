@@ -19,6 +19,8 @@ static const struct { const char *command, *line[EXAMPLES]; } examples[] = {
     { "plane", { "pbw plane domain.poly --angle 30 -o mesh.svg", "pbw plane domain.poly --size 0.2 -o mesh.vtu" } },
     { "improve", { "pbw improve mesh.msh -o better.msh", "pbw improve mesh.msh --smooth odt -o better.vtu" } },
     { "solid", { "pbw solid model.obj -o solid.vtu", "pbw solid model.obj --size 0.2 --patches -o solid.msh" } },
+    { "wrap", { "pbw wrap model.obj -o wrapped.stl",
+                "pbw wrap model.obj --alpha 0.3 --offset 0.02 -o wrapped.vtu" } },
     { "tiles", { "pbw tiles points.csv -o mesh.pbwt", "pbw tiles points.csv --memory-limit 1G --no-mesh" } },
     { "hash", { "pbw hash points.csv", "pbw hash mesh.pbwt" } },
     { "live", { "pbw live points.csv --script changes.csv",

@@ -26,6 +26,7 @@
 #include "pbw_sample.h"
 #include "pbw_surface.h"
 #include "pbw_view.h"
+#include "pbw_wrap.h"
 #include <float.h>
 #include <math.h>
 #include <signal.h>
@@ -34,7 +35,7 @@
 #include <string.h>
 
 #define COMMANDS(X) X(mesh) X(sample) X(check) X(convert) X(bench) X(view) X(locate) X(nearest) X(cells) X(plane) \
-    X(improve) X(solid) X(tiles) X(hash) X(live)
+    X(improve) X(solid) X(wrap) X(tiles) X(hash) X(live)
 
 #if defined(__GNUC__)
 #define PRINTF(a, b) __attribute__((format(printf, a, b)))
@@ -76,6 +77,7 @@ extern const option input_options[], weight_options[], build_options[], inside_o
 /* Options that several commands have in groups of their own; each is defined here alone.  Where the meaning depends
    on the command, the help is an argument. */
 extern const char *const smoothers[];                /* laplace, lloyd, odt */
+#define OPTION_ALPHA(help) { "--alpha", "R", help, POSITIVE, 0, 0, NULL }
 #define OPTION_COUNT(help) { "--count", "N", help, WHOLE, 1, 4e9, NULL }
 #define OPTION_FEATURE_ANGLE { "--feature-angle", "DEGREES", \
     "edges of the surface that bend by more are sharp, and stay; default 40", WHOLE, 1, 180, NULL }

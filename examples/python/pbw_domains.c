@@ -1,4 +1,4 @@
-/* pbw_domains.c: domains in the plane, solids, better tetrahedra, and faults of surfaces. */
+/* pbw_domains.c: domains in the plane, solids, better tetrahedra, faults of surfaces, and wraps. */
 #include "pbw_python.h"
 
 /* pbw_plane_make, or pbw_plane_from_triangles if there are some, and pbw_plane_smooth; the plane is freed by
@@ -58,4 +58,11 @@ int pbw_python_crossings(const double *points, size_t point_count, const pbw_ind
     pbw_options options = watched(w);
     options.threads = threads;
     return (int)pbw_surface_crossings(points, point_count, triangles, triangle_count, &options, faults);
+}
+
+int pbw_python_wrap(const pbw_wrap_input *input, const pbw_wrap_options *how, const watch *w, pbw_wrap_result *wrap,
+                    pbw_wrap_report *report)
+{
+    const pbw_options options = watched(w);
+    return (int)pbw_wrap(input, how, &options, wrap, report);
 }

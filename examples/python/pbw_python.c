@@ -11,16 +11,19 @@
 #define PBW_SURFACE_IMPLEMENTATION
 #define PBW_IMPROVE_IMPLEMENTATION
 #define PBW_MESH3_IMPLEMENTATION
+#define PBW_WRAP_IMPLEMENTATION
 #include "pbw_python.h"
 
-/* Sizes of the structures that Python declares too, in the order of _library.py, _tets.py and _surface.py; 0 beyond. */
+/* Sizes of the structures that Python declares too, in the order of _library.py, _tets.py, _surface.py and _wrap.py;
+   0 beyond. */
 size_t pbw_python_size(int structure)
 {
     static const size_t size[] = {
         sizeof(arrays), sizeof(pbw_lists), sizeof(pbw_cells), sizeof(pbw_plane_input), sizeof(plane_request),
         sizeof(watch), sizeof(pbw_changes), sizeof(pbw_plane), sizeof(pbw_tets), sizeof(pbw_quality),
         sizeof(pbw_improve_options), sizeof(pbw_improve_report), sizeof(pbw_solid_input), sizeof(pbw_solid_options),
-        sizeof(pbw_solid_report), sizeof(pbw_solid_boundary), sizeof(pbw_surface_faults)
+        sizeof(pbw_solid_report), sizeof(pbw_solid_boundary), sizeof(pbw_surface_faults), sizeof(pbw_wrap_input),
+        sizeof(pbw_wrap_options), sizeof(pbw_wrap_result), sizeof(pbw_wrap_report)
     };
     return structure >= 0 && (size_t)structure < sizeof size / sizeof *size ? size[structure] : 0;
 }

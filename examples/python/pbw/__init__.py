@@ -18,6 +18,7 @@
     pbw.polygon([outline, hole])                     # triangles of a polygon with holes
     pbw.check_surface(vertices, faces).crossings     # pairs of triangles that meet; other faults
     solid = pbw.solid(vertices, faces, size=0.1)     # tetrahedra inside a closed surface
+    closed = pbw.wrap(vertices, faces)               # a closed surface around any model, and tetrahedra inside
     better = pbw.improve(points, tets, target=30)    # any tetrahedra: dihedral angles of 30 to 150 degrees
     meshio.Mesh(solid.points, {"tetra": solid.tets}).write("solid.vtu")
 
@@ -51,6 +52,8 @@ from ._live import Changes, Live
 from ._plane import polygon, triangulate
 from ._surface import SurfaceFaults, check_surface
 from ._tets import Tets, improve, solid
+from ._wrap import Wrap, wrap
 
-__all__ = ["Cells", "Changes", "Delaunay", "Error", "Live", "QhullError", "SurfaceFaults", "Tets", "Voronoi",
-           "check_surface", "improve", "interpolate", "lloyd", "polygon", "power_cells", "solid", "triangulate", "tsearch", "__version__"]
+__all__ = ["Cells", "Changes", "Delaunay", "Error", "Live", "QhullError", "SurfaceFaults", "Tets", "Voronoi", "Wrap",
+           "check_surface", "improve", "interpolate", "lloyd", "polygon", "power_cells", "solid", "triangulate",
+           "tsearch", "wrap", "__version__"]

@@ -1,0 +1,1861 @@
+/* pbw_wrap.h - v0.2.0 - closed surfaces around any triangles, segments and points - MIT-0
+
+   QUICK START
+   In one source file, define PBW_WRAP_IMPLEMENTATION before the include; in all others, only include.
+   Needs pbw.h, with its implementation in some source file, and the implementation of pbw_surface.h in the same
+   source file, before it.
+
+       pbw_wrap_input input = {0};
+       pbw_wrap_result wrap = {0};
+       input.points = points;        input.point_count = n;
+       input.triangles = triangles;  input.triangle_count = m;       // holes, crossings, any orientation
+       if (pbw_wrap(&input, NULL, NULL, &wrap, NULL) == PBW_OK) {
+           printf("%u facets\n", (unsigned)wrap.facet_count);
+       }
+       pbw_wrap_free(&wrap);
+
+   CONTENTS  (search for the marks)
+     >>interface    types and functions
+     >>work         the work in progress: cells, gates
+     >>oracle       places at the offset, tetrahedra that meet elements
+     >>centres      centres of cells, radii of gates
+     >>cavity       a point is inserted
+     >>carve        gates in rounds: verdicts on all threads, then what they ask for
+     >>manifold     tetrahedra that make each vertex's star one fan
+     >>result       the arrays of the caller
+     >>stages       all of it in order
+
+   FUNCTIONS
+     pbw_wrap           wraps elements
+     pbw_wrap_distance  how far a wrap and its elements are apart
+     pbw_wrap_free      frees a wrap
+
+   HOW
+   Portaneri, Rouxel-Labbe, Hemmer, Cohen-Steiner, Alliez 2022, "Alpha wrapping with an offset": a box is
+   triangulated and carved from outside.  A gate is a facet between a carved tetrahedron and another one that a ball
+   of radius alpha can pass without meeting a vertex.  Take the largest gate:
+   1. The segment between the centres of its two tetrahedra comes within the offset of an element: the first such
+      place becomes a vertex.
+   2. Else the tetrahedron meets an element: the place at the offset from the element nearest to its centre becomes a
+      vertex.
+   3. Else it is carved.
+   Vertices are inserted by exact signs, so that the triangulation is Delaunay.  New vertices are at least the offset
+   from all others, so it ends.
+   Gates are taken in rounds: their verdicts are computed on all threads, each from its two tetrahedra alone, and are
+   carried out in order.
+
+   PROMISES  (tests/test_wrap.c guards them)
+     encloses    no facet meets an element, and all elements are inside: a tetrahedron is carved only where separating
+                 axes show, with their rounding errors, that it meets none
+     manifold    each edge has two facets, and each vertex one fan of them; facets are turned outward
+     any input   holes, crossings, overlaps, flat and repeated elements, any orientation
+     same        the same bytes for any number of threads
+     bounded     no recursion
+
+   CONFIGURATION MACROS
+     PBW_WRAP_IMPLEMENTATION    in one source file: compile the implementation there
+     PBWWRAPDEF                 everywhere: your own linkage for the functions, for example static
+*/
+#ifndef PBW_WRAP_H
+#define PBW_WRAP_H
+#ifndef PBW_SURFACE_H
+#include "pbw_surface.h"
+#endif
+
+#ifndef PBWWRAPDEF
+#define PBWWRAPDEF extern
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* ------------------------------------------------------------------------------------------------------
+   >>interface    Types and functions.
+   ------------------------------------------------------------------------------------------------------ */
+typedef struct pbw_wrap_input {            /* elements, numbered through: triangles, segments, single points */
+    const double *points;                  /* 3 coordinates each; points of no element count for nothing */
+    size_t point_count;
+    const pbw_index *triangles;            /* 3 ids each */
+    size_t triangle_count;
+    const pbw_index *segments;             /* 2 ids each */
+    size_t segment_count;
+    const pbw_index *singles;              /* 1 id each */
+    size_t single_count;
+} pbw_wrap_input;
+
+typedef struct pbw_wrap_options {          /* NULL or all zero = best defaults */
+    double alpha;                          /* radius of balls that do not pass: holes and gaps below twice that are
+                                              closed; 0 = 1/50 of the diagonal of the elements' box, with alpha_at
+                                              the diagonal */
+    double offset;                         /* of the vertices from the elements; 0 = alpha / 30, without alpha 1/1500
+                                              of the diagonal */
+    /* Alpha at a place, where it is below alpha; the offset is the least.  Called on the caller's thread. */
+    double (*alpha_at)(void *user, const double point[3]);
+    void *alpha_user;
+    const double *seeds;                   /* 3 coordinates each: cavities with a seed are carved from inside, too */
+    size_t seed_count;
+    int fast;                              /* 1: looks for places at the offset only where a centre is within it: half
+                                              the time, a few percent to a quarter more facets */
+    int closing;                           /* 1: where the wrap is a shell around an open surface, looks for an alpha
+                                              that closes it, in about twice the time; not with alpha_at */
+    double most;                           /* tetrahedra; 0 = 50 million */
+} pbw_wrap_options;
+
+typedef struct pbw_wrap_result {           /* start from {0}; pbw_wrap_free when done */
+    size_t point_count, vertex_count, facet_count, tet_count;
+    const double *points;                  /* 3 coordinates each: first vertices of the surface, then others */
+    const pbw_index *facets;               /* 3 vertices each, counter-clockwise seen from outside */
+    const pbw_index *elements;             /* per facet: the number of the element nearest to its centroid */
+    const pbw_index *corners;              /* of the tetrahedra that the surface encloses: 4 points each, positively
+                                              oriented */
+    const pbw_index *neighbors;            /* as in pbw_mesh: the surface's facets have PBW_NONE */
+    void *memory;                          /* private */
+} pbw_wrap_result;
+
+enum {                                     /* why there is no wrap, with the status in brackets */
+    PBW_WRAP_DONE,                         /* there is */
+    PBW_WRAP_EMPTY,                        /* no elements (PBW_DEGENERATE) */
+    PBW_WRAP_NO_SIZE,                      /* all points are at one place and no alpha is given (PBW_DEGENERATE) */
+    PBW_WRAP_NEAR,                         /* the offset is below 1e-9 of the largest coordinate
+                                              (PBW_ERROR_ARGUMENT) */
+    PBW_WRAP_LARGE                         /* more tetrahedra than options.most (PBW_ERROR_TOO_LARGE) */
+};
+
+typedef struct pbw_wrap_report {
+    int refusal;                           /* PBW_WRAP_... */
+    double alpha, offset;                  /* that were used */
+    double volume, area;                   /* of the wrap; area: of its surface */
+    size_t open_edges;                     /* of the triangles: edges of an odd number of them; points at one place
+                                              count as one */
+    int shell;                             /* 1: the wrap is thin everywhere, and there are open edges or no
+                                              triangles: it goes around both sides of what is open */
+    double closing;                        /* with options.closing, of a shell: an alpha, found by bisection, that
+                                              closes it; 0: none was found */
+    size_t components;                     /* of the surface */
+    size_t unused_seeds;                   /* seeds that are nearer to an element than alpha and offset */
+    size_t crossings, projections, carved; /* vertices by rules 1 and 2, tetrahedra by rule 3 */
+    size_t repairs, dropped;               /* tetrahedra that the manifold needed; gates left because of rounding */
+    size_t rounds;
+    double seconds[3];                     /* of processor time: tree, carving, the rest */
+} pbw_wrap_report;
+
+/* Wraps elements; how, options and report may be NULL.  wrap: overwritten, left empty on failure.  Of options, it
+   uses threads, run, resize, memory_limit and progress (PBW_STAGE_WORK).  Returns PBW_ERROR_ARGUMENT for ids out of
+   range and lengths below zero or above 1e100, PBW_ERROR_NOT_FINITE, a status of report.refusal, or what
+   pbw_triangulate and pbw_surface_create fail with. */
+PBWWRAPDEF pbw_status pbw_wrap(const pbw_wrap_input *input, const pbw_wrap_options *how, const pbw_options *options,
+                               pbw_wrap_result *wrap, pbw_wrap_report *report);
+/* Measures distance[0], of a surface's corners, edge middles and centroids from the elements, at most, and
+   distance[1], of the elements' corners and centroids from the surface, at most.  Fails as pbw_wrap does. */
+PBWWRAPDEF pbw_status pbw_wrap_distance(const pbw_wrap_input *input, const double *points, size_t point_count,
+                                        const pbw_index *facets, size_t facet_count, const pbw_options *options,
+                                        double distance[2]);
+PBWWRAPDEF void pbw_wrap_free(pbw_wrap_result *wrap);        /* fine on {0}, fine twice */
+
+#ifdef __cplusplus
+}
+#endif
+#endif /* PBW_WRAP_H */
+
+#if defined(PBW_WRAP_IMPLEMENTATION) && !defined(PBWWRAP__IMPLEMENTED)
+#define PBWWRAP__IMPLEMENTED
+#if PBWSF__SEAM != 1
+#error "pbw_wrap.h is compiled where pbw_surface.h of its version is: define PBW_SURFACE_IMPLEMENTATION, too"
+#else
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+PBW_CONTRACTION_OFF                        /* fused operations would give other coordinates */
+
+/* ------------------------------------------------------------------------------------------------------
+   >>work         The work in progress: cells, gates.
+   Holds: the cells are the Delaunay triangulation of x; a cell is inside until it is carved; a free slot has
+   corner[0] = PBW_NONE and next[0] = the free slot after it; born tells a cell from earlier ones in its slot.
+   ------------------------------------------------------------------------------------------------------ */
+enum {
+    PBWWR__BOX = 8,                        /* corners of the box */
+    PBWWR__ICOSAHEDRON = 12,               /* corners around a seed */
+    PBWWR__ROUND = 4096,                   /* gates of a round, at most */
+    PBWWR__GRAIN = 16                      /* verdicts that a thread takes at a time */
+};
+#define PBWWR__NEAREST 1e-9                /* least offset, by the largest coordinate */
+#define PBWWR__HIT 1e-3                    /* rule 1 stops so near above the offset, by the offset */
+#define PBWWR__THIN 6                      /* a shell is thinner than so many offsets ... */
+#define PBWWR__ROUNDED 3                   /* ... or than alpha by that: its edges and corners are rounded off */
+
+enum { PBWWR__UNKNOWN, PBWWR__APART, PBWWR__MEETS };
+
+typedef struct pbwwr__cell {
+    pbw_index corner[4], next[4];          /* positively oriented; next: as in pbw_mesh */
+    double centre[3];
+    pbw_index born;
+    unsigned char carved, meets, known;    /* meets: does it meet an element?; known: is there a centre? */
+} pbwwr__cell;
+
+typedef struct pbwwr__gate {
+    double radius;                         /* of the largest ball that passes; HUGE_VAL at corners of box and seeds */
+    pbw_index cell, born;                  /* the one that is not carved */
+    unsigned facet;
+} pbwwr__gate;
+
+typedef struct pbwwr__verdict {
+    pbwwr__gate gate;
+    pbw_index from, from_born;             /* the carved cell, PBW_NONE outside of the box */
+    int rule;
+    unsigned char meets;
+    double place[3];
+} pbwwr__verdict;
+
+typedef struct pbwwr__work {
+    pbw_memory memory;
+    pbw_options options;                   /* the caller's threads and job system, with progress of our own */
+    const pbw_options *caller;
+    const pbw_wrap_options *how;
+    pbw_wrap_report *report;
+    double alpha, offset, largest, low[3], high[3];      /* largest: coordinate of the box */
+    double done;                           /* of the work */
+    int cancelled;
+    pbw_surface surface;                   /* of the elements, as triangles, in the order of its tree */
+    pbwsf__triples elements;               /* its triangles */
+    pbwsf__vectors places;                 /* its points: three a triangle */
+    pbwsf__indices origin;                 /* of each triangle: its number as an element */
+    pbwsf__vectors x;
+    size_t artificial;                     /* points of box and seeds: the first ones */
+    PBW_ARRAY(pbwwr__cell) cells;          /* count: slots in use, free ones included */
+    size_t alive;
+    pbw_index free, births;
+    pbwsf__indices visited, star;          /* per slot, the last search; cells of a search */
+    pbwsf__indices born;                   /* cells of an insertion */
+    pbw_index visit;
+    PBW_ARRAY(pbwwr__gate) gates;          /* a heap, the largest radius first */
+    PBW_ARRAY(pbwwr__verdict) verdicts;
+} pbwwr__work;
+
+static int pbwwr__progress(void *user, pbw_stage stage, double done)
+{
+    pbwwr__work *w = (pbwwr__work *)user;
+    (void)stage;
+    (void)done;
+    if (!w->cancelled && w->caller != NULL && w->caller->progress != NULL) {
+        w->cancelled = w->caller->progress(w->caller->progress_user, PBW_STAGE_WORK, w->done) != 0;
+    }
+    return w->cancelled;
+}
+
+static int pbwwr__larger(const pbwwr__gate *a, const pbwwr__gate *b)
+{
+    return a->radius > b->radius || (a->radius >= b->radius && a->born < b->born);
+}
+
+static int pbwwr__push_gate(pbwwr__work *w, const pbwwr__gate *gate)
+{
+    pbwwr__gate *heap;
+    size_t i;
+    if (!PBW_PUSH(&w->memory, w->gates, *gate)) {
+        return 0;
+    }
+    heap = w->gates.at;
+    for (i = w->gates.count - 1; i > 0 && pbwwr__larger(gate, heap + (i - 1) / 2); i = (i - 1) / 2) {
+        heap[i] = heap[(i - 1) / 2];
+    }
+    heap[i] = *gate;
+    return 1;
+}
+
+static pbwwr__gate pbwwr__pop_gate(pbwwr__work *w)
+{
+    pbwwr__gate *heap = w->gates.at;
+    const pbwwr__gate top = heap[0], last = heap[--w->gates.count];
+    const size_t count = w->gates.count;
+    size_t i, child;
+    for (i = 0; 2 * i + 1 < count; i = child) {
+        child = 2 * i + 1;
+        child += child + 1 < count && pbwwr__larger(heap + child + 1, heap + child);
+        if (!pbwwr__larger(heap + child, &last)) {
+            break;
+        }
+        heap[i] = heap[child];
+    }
+    heap[i] = last;
+    return top;
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   >>oracle       Places at the offset, tetrahedra that meet elements.
+   In: the tree of the elements.  Out: places, and whether.
+   ------------------------------------------------------------------------------------------------------ */
+/* Moves *t up to where a + t d comes within the offset of an element, or returns 0 if that is not before `most`.
+   The distance from a convex set is convex along a line, so that Newton's method from before the place never passes
+   it. */
+static int pbwwr__approach(const double *const c[3], const double *a, const double *d, double offset, double most,
+                           double *t)
+{
+    int i;
+    for (i = 0; i < 100; i++) {
+        double p[3], q[3], u[3], far, slope;
+        int k;
+        for (k = 0; k < 3; k++) {
+            p[k] = a[k] + *t * d[k];
+        }
+        pbwsf__nearest_in(c[0], c[1], c[2], p, q);
+        pbwsf__minus(p, q, u);
+        far = sqrt(pbwsf__dot(u, u));
+        if (far <= offset * (1 + PBWWR__HIT)) {
+            return 1;
+        }
+        slope = pbwsf__dot(u, d) / far;
+        if (!(slope < 0)) {
+            return 0;
+        }
+        *t += (offset - far) / slope;
+        if (!(*t < most)) {
+            return 0;
+        }
+    }
+    return 0;
+}
+
+/* Finds the first place of the segment from a to b that is within the offset of an element.  Returns 0 if there is
+   none, or if a is. */
+static int pbwwr__first_place(const pbw_surface *surface, const double *a, const double *b, double offset,
+                              double place[3])
+{
+    const pbwsf__tree *tree = (const pbwsf__tree *)surface->memory;
+    const pbw_index *order = tree->order.at;
+    struct { size_t node; double from; } stack[PBWSF__DEPTH];
+    double d[3], per[3], best = 1;
+    int depth = 1, found = 0;
+    size_t k;
+    pbwsf__minus(b, a, d);
+    for (k = 0; k < 3; k++) {
+        per[k] = fabs(d[k]) > 1e-100 ? 1 / d[k] : fabs(d[k]) > 0 ? 0 : 1e100;
+    }
+    stack[0].node = 0;
+    stack[0].from = 0;
+    while (depth > 0) {
+        const size_t i = stack[--depth].node;
+        const double from = stack[depth].from;
+        if (from > best) {
+            continue;
+        }
+        if (i < tree->first_leaf) {                          /* the nearer child is taken first */
+            double at[2];
+            size_t turned;
+            for (k = 0; k < 2; k++) {
+                pbwsf__box wide = tree->boxes.at[2 * i + 1 + k];
+                int j;
+                for (j = 0; j < 3; j++) {
+                    wide.low[j] -= offset * (1 + 2 * PBWWR__HIT);
+                    wide.high[j] += offset * (1 + 2 * PBWWR__HIT);
+                }
+                at[k] = pbwsf__box_meets(&wide, a, per, best);
+            }
+            turned = at[0] > at[1];
+            for (k = 2; k-- > 0;) {
+                const size_t child = k ^ turned;
+                if (at[child] <= best) {
+                    stack[depth].node = 2 * i + 1 + child;
+                    stack[depth++].from = at[child];
+                }
+            }
+            continue;
+        }
+        for (k = pbwsf__first_of(tree, i); k < pbwsf__end_of(surface, tree, i); k++) {
+            const double *const c[3] = { pbwsf__corner(surface, order[k], 0), pbwsf__corner(surface, order[k], 1),
+                                         pbwsf__corner(surface, order[k], 2) };
+            double t = from;
+            if (pbwwr__approach(c, a, d, offset, best, &t)) {
+                if (!(t > 0)) {
+                    return 0;
+                }
+                best = t;
+                found = 1;
+            }
+        }
+    }
+    pbwsf__between(a, b, best, place);
+    return found;
+}
+
+typedef struct pbwwr__tet {                /* as a set that may meet others */
+    const double *c[4];
+    double low[3], high[3];
+    double normal[4][3], most[4];          /* of facets, outward; the most of normal . x over the corners */
+    double slack[4];                       /* of each normal, see pbwwr__slack */
+    double largest;
+} pbwwr__tet;
+
+/* How far two sets' values of n . x must be apart.  A computed n . x differs from the true one of that n and x by up
+   to 3.01 u |n|_1 m, where u = 2^-53 and m bounds all coordinates (Higham 2002, "Accuracy and Stability of Numerical
+   Algorithms", 3.1, for three products and two sums).  Two of them, and the sum with this number, which is rounded
+   twice: below 8 u |n|_1 m = 8.9e-16 |n|_1 m. */
+static double pbwwr__slack(const double n[3], double largest)
+{
+    return 8.9e-16 * (fabs(n[0]) + fabs(n[1]) + fabs(n[2])) * largest;
+}
+
+static void pbwwr__set_tet(pbwwr__tet *t, double largest)
+{
+    int i, k;
+    t->largest = largest;
+    for (k = 0; k < 3; k++) {
+        t->low[k] = t->high[k] = t->c[0][k];
+        for (i = 1; i < 4; i++) {
+            t->low[k] = t->c[i][k] < t->low[k] ? t->c[i][k] : t->low[k];
+            t->high[k] = t->c[i][k] > t->high[k] ? t->c[i][k] : t->high[k];
+        }
+    }
+    for (i = 0; i < 4; i++) {
+        pbwsf__normal(t->c[PBW_FACET_CORNER(i, 0)], t->c[PBW_FACET_CORNER(i, 1)], t->c[PBW_FACET_CORNER(i, 2)],
+                      t->normal[i]);
+        t->most[i] = -HUGE_VAL;
+        for (k = 0; k < 4; k++) {
+            const double x = pbwsf__dot(t->normal[i], t->c[k]);
+            t->most[i] = x > t->most[i] ? x : t->most[i];
+        }
+        t->slack[i] = pbwwr__slack(t->normal[i], largest);
+    }
+}
+
+/* Whether an axis shows that the tetrahedron and the triangle are apart. */
+static int pbwwr__is_axis(const pbwwr__tet *t, const double *const c[3], const double n[3])
+{
+    double low[2] = { HUGE_VAL, HUGE_VAL }, high[2] = { -HUGE_VAL, -HUGE_VAL };
+    const double slack = pbwwr__slack(n, t->largest);
+    int i;
+    for (i = 0; i < 7; i++) {
+        const int set = i >= 4;
+        const double x = pbwsf__dot(n, set ? c[i - 4] : t->c[i]);
+        low[set] = x < low[set] ? x : low[set];
+        high[set] = x > high[set] ? x : high[set];
+    }
+    return low[0] > high[1] + slack || low[1] > high[0] + slack;
+}
+
+/* Returns 0 only if the tetrahedron and the triangle have no common point. */
+static int pbwwr__may_meet(const pbwwr__tet *t, const double *const c[3])
+{
+    double u[3], v[3], n[3];
+    int i, j, inside = 7;                            /* bits of corners that are behind all facets */
+    for (i = 0; i < 4; i++) {
+        double least = HUGE_VAL;
+        for (j = 0; j < 3; j++) {
+            const double x = pbwsf__dot(t->normal[i], c[j]);
+            least = x < least ? x : least;
+            inside &= x > t->most[i] ? ~(1 << j) : 7;
+        }
+        if (least > t->most[i] + t->slack[i]) {
+            return 0;
+        }
+    }
+    if (inside != 0) {
+        return 1;
+    }
+    pbwsf__normal(c[0], c[1], c[2], n);
+    if (pbwwr__is_axis(t, c, n)) {
+        return 0;
+    }
+    for (i = 0; i < 6; i++) {
+        const int p = i < 3 ? 0 : i < 5 ? 1 : 2, q = i < 3 ? i + 1 : i < 5 ? i - 1 : 3;
+        pbwsf__minus(t->c[q], t->c[p], u);
+        for (j = 0; j < 3; j++) {
+            pbwsf__minus(c[(j + 1) % 3], c[j], v);
+            pbwsf__cross(u, v, n);
+            if (pbwwr__is_axis(t, c, n)) {
+                return 0;
+            }
+        }
+    }
+    return 1;
+}
+
+/* Returns PBWWR__APART if the box has no common point with the tetrahedron, PBWWR__MEETS if it is inside, up to
+   rounding, PBWWR__UNKNOWN else. */
+static int pbwwr__meets_box(const pbwwr__tet *t, const pbwsf__box *box)
+{
+    int i, k, inside = 1;
+    for (k = 0; k < 3; k++) {
+        if (t->low[k] > box->high[k] || t->high[k] < box->low[k]) {
+            return PBWWR__APART;
+        }
+        inside &= t->low[k] <= box->low[k] && t->high[k] >= box->high[k];
+    }
+    for (i = 0; i < 4; i++) {
+        const double *n = t->normal[i];
+        double least = 0, most = 0;
+        for (k = 0; k < 3; k++) {
+            const double x = n[k] * box->low[k], y = n[k] * box->high[k];
+            least += x < y ? x : y;
+            most += x < y ? y : x;
+        }
+        if (least > t->most[i] + t->slack[i]) {
+            return PBWWR__APART;
+        }
+        inside &= most <= t->most[i];
+    }
+    return inside ? PBWWR__MEETS : PBWWR__UNKNOWN;
+}
+
+/* Returns 0 only if the tetrahedron has no common point with an element. */
+static int pbwwr__meets(const pbw_surface *surface, const double *const corner[4], double largest)
+{
+    const pbwsf__tree *tree = (const pbwsf__tree *)surface->memory;
+    const pbw_index *order = tree->order.at;
+    size_t stack[PBWSF__DEPTH], k;
+    pbwwr__tet t;
+    int depth = 1;
+    memcpy((void *)t.c, (const void *)corner, sizeof t.c);
+    pbwwr__set_tet(&t, largest);
+    stack[0] = 0;
+    while (depth > 0) {
+        const size_t i = stack[--depth];
+        const int answer = pbwwr__meets_box(&t, tree->boxes.at + i);
+        if (answer == PBWWR__MEETS) {
+            return 1;
+        }
+        if (answer == PBWWR__APART) {
+            continue;
+        }
+        if (i < tree->first_leaf) {
+            stack[depth++] = 2 * i + 2;
+            stack[depth++] = 2 * i + 1;
+            continue;
+        }
+        for (k = pbwsf__first_of(tree, i); k < pbwsf__end_of(surface, tree, i); k++) {
+            const double *const c[3] = { pbwsf__corner(surface, order[k], 0), pbwsf__corner(surface, order[k], 1),
+                                         pbwsf__corner(surface, order[k], 2) };
+            if (pbwwr__may_meet(&t, c)) {
+                return 1;
+            }
+        }
+    }
+    return 0;
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   >>centres      Centres of cells, radii of gates.
+   In: cells.  Out: places and lengths, rounded: they choose vertices, and nothing exact depends on them.
+   ------------------------------------------------------------------------------------------------------ */
+static void pbwwr__corners(const pbwwr__work *w, const pbwwr__cell *cell, const double *c[4])
+{
+    int k;
+    for (k = 0; k < 4; k++) {
+        c[k] = w->x.at[cell->corner[k]];
+    }
+}
+
+static const double *pbwwr__centre(const pbwwr__work *w, pbwwr__cell *cell)
+{
+    const double *c[4];
+    double u[3], v[3], t[3], uv[3], vt[3], tu[3], volume, uu, vv, tt, longest;
+    int k;
+    if (cell->known) {
+        return cell->centre;
+    }
+    cell->known = 1;
+    pbwwr__corners(w, cell, c);
+    pbwsf__minus(c[1], c[0], u);
+    pbwsf__minus(c[2], c[0], v);
+    pbwsf__minus(c[3], c[0], t);
+    pbwsf__cross(u, v, uv);
+    pbwsf__cross(v, t, vt);
+    pbwsf__cross(t, u, tu);
+    volume = pbwsf__dot(uv, t);
+    uu = pbwsf__dot(u, u), vv = pbwsf__dot(v, v), tt = pbwsf__dot(t, t);
+    longest = sqrt(uu > vv ? (uu > tt ? uu : tt) : vv > tt ? vv : tt);
+    if (volume > 1e-5 * longest * longest * longest) {       /* errors are then below 1e-9 of the longest edge */
+        for (k = 0; k < 3; k++) {
+            cell->centre[k] = c[0][k] + (uu * vt[k] + vv * tu[k] + tt * uv[k]) / (2 * volume);
+        }
+        return cell->centre;
+    }
+    (void)pbw_centre(3, c, NULL, t);
+    for (k = 0; k < 3; k++) {
+        cell->centre[k] = c[0][k] + t[k];
+    }
+    return cell->centre;
+}
+
+/* The radius of the largest ball that passes a facet: of the smallest that is centred between the centres of its two
+   cells and has its corners on it. */
+static double pbwwr__radius(const pbwwr__work *w, pbw_index cell, unsigned facet)
+{
+    pbwwr__cell *to = w->cells.at + cell, *from = w->cells.at + to->next[facet];
+    const double *c[3], *near, *far;
+    double u[3], v[3], n[3], p[3], q[3], nn, height, depth;
+    unsigned k;
+    for (k = 0; k < 3; k++) {
+        const pbw_index corner = to->corner[PBW_FACET_CORNER(facet, k)];
+        if (corner < w->artificial) {
+            return HUGE_VAL;
+        }
+        c[k] = w->x.at[corner];
+    }
+    near = pbwwr__centre(w, to);
+    far = pbwwr__centre(w, from);
+    pbwsf__minus(c[1], c[0], u);
+    pbwsf__minus(c[2], c[0], v);
+    pbwsf__cross(u, v, n);
+    pbwsf__minus(near, c[0], p);
+    pbwsf__minus(far, c[0], q);
+    nn = pbwsf__dot(n, n);
+    depth = pbwsf__dot(p, n);
+    height = pbwsf__dot(q, n);
+    if ((depth > 0 && height > 0) || (depth < 0 && height < 0) || !(nn > 0)) {
+        return sqrt(fmin(pbwsf__dot(p, p), pbwsf__dot(q, q)));
+    }
+    pbwsf__minus(v, u, q);                           /* |u| |v| |v - u| / (2 |u x v|) */
+    return sqrt(pbwsf__dot(u, u) * pbwsf__dot(v, v) / nn * pbwsf__dot(q, q)) / 2;
+}
+
+/* Adds the gate, if the facet is one: of a cell that is not carved, with a carved one beyond it. */
+static int pbwwr__add_gate(pbwwr__work *w, pbw_index cell, unsigned facet)
+{
+    const pbwwr__cell *to = w->cells.at + cell;
+    pbwwr__gate gate;
+    double alpha = w->alpha;
+    gate.radius = pbwwr__radius(w, cell, facet);
+    gate.cell = cell;
+    gate.born = to->born;
+    gate.facet = facet;
+    if (gate.radius > w->offset && w->how->alpha_at != NULL && gate.radius < HUGE_VAL) {
+        double middle[3];
+        int k;
+        for (k = 0; k < 3; k++) {
+            middle[k] = w->x.at[to->corner[PBW_FACET_CORNER(facet, 0)]][k] / 3
+                      + w->x.at[to->corner[PBW_FACET_CORNER(facet, 1)]][k] / 3
+                      + w->x.at[to->corner[PBW_FACET_CORNER(facet, 2)]][k] / 3;
+        }
+        alpha = fmin(alpha, fmax(w->how->alpha_at(w->how->alpha_user, middle), w->offset));
+    }
+    return !(gate.radius > alpha) || pbwwr__push_gate(w, &gate);
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   >>cavity       A point is inserted.
+   In: a place inside the box, a cell that may be in conflict with it.  Out: cells that are not carved, and gates.
+   ------------------------------------------------------------------------------------------------------ */
+static int pbwwr__is_at(const double *a, const double *b)
+{
+    return a[0] <= b[0] && a[0] >= b[0] && a[1] <= b[1] && a[1] >= b[1] && a[2] <= b[2] && a[2] >= b[2];
+}
+
+/* Returns 1 if p is in conflict with the cell, -1 if it is one of its corners. */
+static int pbwwr__conflict(const pbwwr__work *w, pbw_index cell, const double p[3])
+{
+    const double *c[4];
+    pbwwr__corners(w, w->cells.at + cell, c);
+    return pbwwr__is_at(p, c[0]) || pbwwr__is_at(p, c[1]) || pbwwr__is_at(p, c[2]) || pbwwr__is_at(p, c[3]) ? -1
+         : pbw_conflict3(c[0], c[1], c[2], c[3], p, NULL);
+}
+
+static void pbwwr__free_cell(pbwwr__work *w, pbw_index cell)
+{
+    w->cells.at[cell].corner[0] = PBW_NONE;
+    w->cells.at[cell].next[0] = w->free;
+    w->free = cell;
+    w->alive--;
+}
+
+/* Takes a slot; the cell has no centre yet, and is not carved.  Returns PBW_NONE if there is no memory. */
+static pbw_index pbwwr__new_cell(pbwwr__work *w)
+{
+    pbw_index slot = w->free;
+    if (slot != PBW_NONE) {
+        w->free = w->cells.at[slot].next[0];
+    } else if (w->cells.count < PBW_NONE - 1 && PBW_RESERVE(&w->memory, w->cells, 1)
+               && PBW_RESERVE(&w->memory, w->visited, 1)) {
+        slot = (pbw_index)w->cells.count++;
+        w->visited.at[w->visited.count++] = 0;
+    } else {
+        return PBW_NONE;
+    }
+    memset(w->cells.at + slot, 0, sizeof *w->cells.at);
+    w->cells.at[slot].born = ++w->births;
+    w->visited.at[slot] = 0;
+    w->alive++;
+    return slot;
+}
+
+static unsigned pbwwr__index_of(const pbw_index four[4], pbw_index what)
+{
+    return four[0] == what ? 0 : four[1] == what ? 1 : four[2] == what ? 2 : 3;
+}
+
+/* Links the new cell behind facet i of an old one to the new cell across from corner j: turns around the edge that
+   facets i and j have in common, through old cells.  At the cavity's border these have new cells as neighbours. */
+static void pbwwr__link(pbwwr__work *w, pbw_index old, unsigned i, unsigned j)
+{
+    const pbw_index inside = w->visit;
+    const pbwwr__cell *cell = w->cells.at + old;
+    const pbw_index fresh = cell->next[i];
+    const unsigned facet = j;
+    pbw_index at = old;
+    while (w->visited.at[cell->next[j]] == inside) {
+        const pbw_index leave = cell->corner[i], next = cell->next[j];
+        cell = w->cells.at + next;
+        i = pbwwr__index_of(cell->next, at);
+        j = pbwwr__index_of(cell->corner, leave);
+        at = next;
+    }
+    w->cells.at[fresh].next[facet] = cell->next[j];
+}
+
+/* Fills star with the cells in conflict with p, from one that is.  Returns 0 if there is no memory. */
+static int pbwwr__find_conflicts(pbwwr__work *w, pbw_index start, const double p[3])
+{
+    size_t i, k;
+    w->visit += 2;                                   /* visited: visit, in conflict; visit + 1, not */
+    w->star.count = 0;
+    if (!PBW_PUSH(&w->memory, w->star, start)) {
+        return 0;
+    }
+    w->visited.at[start] = w->visit;
+    for (i = 0; i < w->star.count; i++) {
+        for (k = 0; k < 4; k++) {
+            const pbw_index next = w->cells.at[w->star.at[i]].next[k];
+            if (next == PBW_NONE || w->visited.at[next] >= w->visit) {
+                continue;
+            }
+            w->visited.at[next] = w->visit + 1;
+            if (pbwwr__conflict(w, next, p) > 0) {
+                w->visited.at[next] = w->visit;
+                if (!PBW_PUSH(&w->memory, w->star, next)) {
+                    return 0;
+                }
+            }
+        }
+    }
+    return 1;
+}
+
+/* Replaces the cells of star by those that join their outer facets to point p. */
+static pbw_status pbwwr__fill_cavity(pbwwr__work *w, pbw_index p)
+{
+    size_t i;
+    unsigned k, j;
+    w->born.count = 0;
+    for (i = 0; i < w->star.count; i++) {
+        const pbw_index old = w->star.at[i];
+        for (k = 0; k < 4; k++) {
+            const pbw_index next = w->cells.at[old].next[k];
+            pbw_index fresh;
+            pbwwr__cell *cell;
+            if (next != PBW_NONE && w->visited.at[next] == w->visit) {
+                continue;
+            }
+            fresh = pbwwr__new_cell(w);
+            if (fresh == PBW_NONE || !PBW_PUSH(&w->memory, w->born, fresh)) {
+                return PBW_ERROR_MEMORY;
+            }
+            cell = w->cells.at + fresh;
+            memcpy(cell->corner, w->cells.at[old].corner, sizeof cell->corner);
+            cell->corner[k] = p;
+            cell->next[k] = next;
+            if (next != PBW_NONE) {
+                w->cells.at[next].next[pbwwr__index_of(w->cells.at[next].next, old)] = fresh;
+            }
+            w->cells.at[old].next[k] = fresh;
+        }
+    }
+    for (i = 0; i < w->star.count; i++) {
+        const pbw_index old = w->star.at[i];
+        for (k = 0; k < 4; k++) {
+            for (j = 0; j < 4 && w->visited.at[w->cells.at[old].next[k]] != w->visit; j++) {
+                if (j != k) {
+                    pbwwr__link(w, old, k, j);
+                }
+            }
+        }
+    }
+    for (i = 0; i < w->star.count; i++) {
+        pbwwr__free_cell(w, w->star.at[i]);
+    }
+    return PBW_OK;
+}
+
+/* Inserts a place near cells a and b; b may be PBW_NONE.  *done: it could be. */
+static pbw_status pbwwr__insert(pbwwr__work *w, const double place[3], pbw_index a, pbw_index b, int *done)
+{
+    const pbw_index starts[10] = { a, b, w->cells.at[a].next[0], w->cells.at[a].next[1], w->cells.at[a].next[2],
+                                   w->cells.at[a].next[3], b == PBW_NONE ? b : w->cells.at[b].next[0],
+                                   b == PBW_NONE ? b : w->cells.at[b].next[1],
+                                   b == PBW_NONE ? b : w->cells.at[b].next[2],
+                                   b == PBW_NONE ? b : w->cells.at[b].next[3] };
+    pbw_status status;
+    int conflict = 0;
+    size_t i;
+    unsigned k;
+    for (i = 0; i < 10 && conflict == 0; i++) {
+        conflict = starts[i] == PBW_NONE ? 0 : pbwwr__conflict(w, starts[i], place);
+    }
+    *done = conflict > 0;
+    if (!*done) {
+        return PBW_OK;
+    }
+    if (!PBW_RESERVE(&w->memory, w->x, 1) || !pbwwr__find_conflicts(w, starts[i - 1], place)) {
+        return PBW_ERROR_MEMORY;
+    }
+    memcpy(w->x.at[w->x.count], place, sizeof *w->x.at);
+    status = pbwwr__fill_cavity(w, (pbw_index)w->x.count++);
+    for (i = 0; i < w->born.count && status == PBW_OK; i++) {
+        const pbw_index cell = w->born.at[i], *next = w->cells.at[cell].next;
+        for (k = 0; k < 4 && status == PBW_OK; k++) {
+            if ((next[k] == PBW_NONE || w->cells.at[next[k]].carved) && !pbwwr__add_gate(w, cell, k)) {
+                status = PBW_ERROR_MEMORY;
+            }
+        }
+    }
+    return status;
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   >>carve        Gates in rounds: verdicts on all threads, then what they ask for.
+   In: the box and the seeds, triangulated.  Out: cells, carved or not.
+   ------------------------------------------------------------------------------------------------------ */
+static int pbwwr__is_open(const pbwwr__work *w, const pbwwr__gate *gate)
+{
+    const pbwwr__cell *cell = w->cells.at + gate->cell;
+    const pbw_index next = cell->next[gate->facet];
+    return cell->corner[0] != PBW_NONE && cell->born == gate->born && !cell->carved
+        && (next == PBW_NONE || w->cells.at[next].carved);
+}
+
+/* The place at the offset from the element nearest to a centre, on its side. */
+static void pbwwr__project(const pbwwr__work *w, const double centre[3], const double from[3], double place[3])
+{
+    double near[3], d[3], length;
+    int k;
+    (void)pbw_surface_closest(&w->surface, centre, HUGE_VAL, near);
+    pbwsf__minus(centre, near, d);
+    length = sqrt(pbwsf__dot(d, d));
+    if (!(length > 1e-6 * w->offset)) {
+        pbwsf__minus(from, near, d);
+        length = sqrt(pbwsf__dot(d, d));
+    }
+    for (k = 0; k < 3; k++) {
+        place[k] = near[k] + (length > 0 ? d[k] / length * w->offset : 0);
+    }
+}
+
+static void pbwwr__decide(const pbwwr__work *w, pbwwr__verdict *v)
+{
+    const pbwwr__cell *to = w->cells.at + v->gate.cell;
+    const double *c[4];
+    double from[3], near[3];
+    pbwwr__corners(w, to, c);
+    if (v->from != PBW_NONE) {
+        memcpy(from, w->cells.at[v->from].centre, sizeof from);
+    } else {                                         /* beyond the facet, and beyond all elements */
+        double n[3], far = pbwsf__distance(w->low, w->high), length, forward;
+        int k;
+        pbwsf__normal(c[PBW_FACET_CORNER(v->gate.facet, 0)], c[PBW_FACET_CORNER(v->gate.facet, 1)],
+                      c[PBW_FACET_CORNER(v->gate.facet, 2)], n);
+        length = sqrt(pbwsf__dot(n, n));
+        pbwsf__minus(to->centre, c[PBW_FACET_CORNER(v->gate.facet, 0)], near);
+        forward = fmax(pbwsf__dot(near, n) / length, 0) + far;
+        for (k = 0; k < 3; k++) {
+            from[k] = to->centre[k] + n[k] / length * forward;
+        }
+    }
+    v->meets = to->meets;
+    v->rule = 3;
+    if ((!w->how->fast || pbw_surface_closest(&w->surface, to->centre, w->offset, near) != PBW_NONE)
+        && pbwwr__first_place(&w->surface, from, to->centre, w->offset, v->place)) {
+        v->rule = 1;
+        return;
+    }
+    if (v->meets == PBWWR__UNKNOWN) {
+        v->meets = pbwwr__meets(&w->surface, c, w->largest) ? PBWWR__MEETS : PBWWR__APART;
+    }
+    if (v->meets == PBWWR__MEETS) {
+        v->rule = 2;
+        pbwwr__project(w, to->centre, from, v->place);
+    }
+}
+
+static pbw_status pbwwr__decide_some(void *arg, size_t from, size_t to)
+{
+    const pbwwr__work *w = (const pbwwr__work *)arg;
+    for (; from < to; from++) {
+        pbwwr__decide(w, w->verdicts.at + from);
+    }
+    return PBW_OK;
+}
+
+/* Takes the largest gates.  Returns how many. */
+static size_t pbwwr__take_gates(pbwwr__work *w)
+{
+    size_t most = w->gates.count / 8 + 1, count = 0;
+    most = most < PBWWR__ROUND ? most : (size_t)PBWWR__ROUND;
+    while (count < most && w->gates.count > 0) {
+        const pbwwr__gate gate = pbwwr__pop_gate(w);
+        pbwwr__verdict *v = w->verdicts.at + count;
+        if (!pbwwr__is_open(w, &gate)) {
+            continue;
+        }
+        v->gate = gate;
+        v->from = w->cells.at[gate.cell].next[gate.facet];
+        v->from_born = v->from == PBW_NONE ? 0 : w->cells.at[v->from].born;
+        (void)pbwwr__centre(w, w->cells.at + gate.cell);
+        if (v->from != PBW_NONE) {
+            (void)pbwwr__centre(w, w->cells.at + v->from);
+        }
+        count++;
+    }
+    return count;
+}
+
+/* Carves a cell: its other facets may be gates. */
+static pbw_status pbwwr__carve_cell(pbwwr__work *w, pbw_index cell)
+{
+    unsigned k;
+    w->cells.at[cell].carved = 1;
+    w->report->carved++;
+    for (k = 0; k < 4; k++) {
+        const pbw_index next = w->cells.at[cell].next[k];
+        if (next != PBW_NONE && !w->cells.at[next].carved
+            && !pbwwr__add_gate(w, next, pbwwr__index_of(w->cells.at[next].next, cell))) {
+            return PBW_ERROR_MEMORY;
+        }
+    }
+    return PBW_OK;
+}
+
+static pbw_status pbwwr__carry_out(pbwwr__work *w, const pbwwr__verdict *v)
+{
+    pbw_status status;
+    pbwwr__cell *cell = w->cells.at + v->gate.cell;
+    int done = 0;
+    if (!pbwwr__is_open(w, &v->gate)) {
+        return PBW_OK;
+    }
+    cell->meets = v->meets;
+    if (cell->next[v->gate.facet] != v->from
+        || (v->from != PBW_NONE && w->cells.at[v->from].born != v->from_born)) {
+        return PBW_OK;                               /* the other cell is new: it has made a gate of its own */
+    }
+    if (v->rule == 3) {
+        return pbwwr__carve_cell(w, v->gate.cell);
+    }
+    status = pbwwr__insert(w, v->place, v->gate.cell, v->from, &done);
+    w->report->dropped += !done;
+    w->report->crossings += done && v->rule == 1;
+    w->report->projections += done && v->rule == 2;
+    return status;
+}
+
+static pbw_status pbwwr__carve(pbwwr__work *w)
+{
+    const double most = w->how->most > 0 ? w->how->most : 5e7;
+    pbw_status status = PBW_OK;
+    if (!PBW_FIT(&w->memory, w->verdicts, PBWWR__ROUND)) {
+        return PBW_ERROR_MEMORY;
+    }
+    while (status == PBW_OK) {
+        size_t count = pbwwr__take_gates(w), i;
+        if (count == 0) {
+            return PBW_OK;
+        }
+        w->report->rounds++;
+        if (w->verdicts.at[0].gate.radius < HUGE_VAL) {      /* facets are as many as 1 / radius^2 */
+            w->done = fmax(w->done, 0.9 * pow(w->alpha / w->verdicts.at[0].gate.radius, 2));
+        }
+        status = pbw_for(&w->options, count, PBWWR__GRAIN, pbwwr__decide_some, w);
+        for (i = 0; i < count && status == PBW_OK; i++) {
+            if (i % 256 == 255 && pbwwr__progress(w, PBW_STAGE_WORK, 0)) {
+                return PBW_CANCELLED;
+            }
+            status = pbwwr__carry_out(w, w->verdicts.at + i);
+        }
+        if ((double)w->alive > most) {
+            w->report->refusal = PBW_WRAP_LARGE;
+            return PBW_ERROR_TOO_LARGE;
+        }
+    }
+    return status;
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   >>manifold     Tetrahedra that make each vertex's star one fan.
+   In: cells, carved or not.  Out: some that were carved are not, so that around each vertex both the cells that are
+   carved and those that are not are linked across facets: their border is then one fan.
+
+   On the sphere around a vertex, a border that is more than one closed curve without a double point leaves more than
+   one part of one of the two kinds (Jordan).  Each step takes back a carved cell, so it ends.
+   ------------------------------------------------------------------------------------------------------ */
+/* Fills star with the cells at a vertex, from one of them; visited is visit there. */
+static int pbwwr__find_star(pbwwr__work *w, pbw_index vertex, pbw_index first)
+{
+    size_t i, k;
+    w->visit += 2;
+    w->star.count = 0;
+    w->visited.at[first] = w->visit;
+    if (!PBW_PUSH(&w->memory, w->star, first)) {
+        return 0;
+    }
+    for (i = 0; i < w->star.count; i++) {
+        for (k = 0; k < 4; k++) {
+            const pbwwr__cell *cell = w->cells.at + w->star.at[i];
+            const pbw_index next = cell->next[k];
+            if (cell->corner[k] != vertex && next != PBW_NONE && w->visited.at[next] != w->visit) {
+                w->visited.at[next] = w->visit;
+                if (!PBW_PUSH(&w->memory, w->star, next)) {
+                    return 0;
+                }
+            }
+        }
+    }
+    return 1;
+}
+
+/* Whether the cell has a facet at the vertex with nothing beyond it. */
+static int pbwwr__is_outer(const pbwwr__cell *cell, pbw_index vertex)
+{
+    int k;
+    for (k = 0; k < 4; k++) {
+        if (cell->next[k] == PBW_NONE && cell->corner[k] != vertex) {
+            return 1;
+        }
+    }
+    return 0;
+}
+
+/* Marks a cell of the star that is of one kind, and all that are linked to it. */
+static void pbwwr__mark_part(pbwwr__work *w, pbw_index vertex, pbw_index first)
+{
+    const int carved = w->cells.at[first].carved;
+    size_t k;
+    w->born.count = 0;                               /* it has room for the star */
+    w->visited.at[first] = w->visit + 1;
+    w->born.at[w->born.count++] = first;
+    while (w->born.count > 0) {
+        const pbwwr__cell *cell = w->cells.at + w->born.at[--w->born.count];
+        for (k = 0; k < 4; k++) {
+            const pbw_index next = cell->next[k];
+            if (cell->corner[k] != vertex && next != PBW_NONE && w->visited.at[next] == w->visit
+                && w->cells.at[next].carved == carved) {
+                w->visited.at[next] = w->visit + 1;
+                w->born.at[w->born.count++] = next;
+            }
+        }
+    }
+}
+
+/* Whether the star's cells are one part of each kind, or of one kind only; what is outside of the box is carved. */
+static int pbwwr__is_fan(pbwwr__work *w, pbw_index vertex)
+{
+    size_t parts[2] = { 0, 0 }, i;
+    int pass;
+    for (pass = 0; pass < 2; pass++) {               /* first the part that is linked outside of the box */
+        for (i = 0; i < w->star.count; i++) {
+            const pbw_index at = w->star.at[i];
+            const pbwwr__cell *cell = w->cells.at + at;
+            if (pass == 0 && pbwwr__is_outer(cell, vertex)) {
+                parts[1] = 1;
+            }
+            if (w->visited.at[at] == w->visit && (pass == 1 || (cell->carved && pbwwr__is_outer(cell, vertex)))) {
+                parts[cell->carved] += (size_t)pass;
+                pbwwr__mark_part(w, vertex, at);
+            }
+        }
+    }
+    return parts[0] <= 1 && parts[1] <= 1;
+}
+
+/* Returns the carved cell of the star with the shortest longest edge; one at corners of box or seeds only if there is
+   no other. */
+static pbw_index pbwwr__smallest(const pbwwr__work *w)
+{
+    double best = HUGE_VAL;
+    pbw_index found = PBW_NONE;
+    size_t i;
+    int j, k;
+    for (i = 0; i < w->star.count; i++) {
+        const pbwwr__cell *cell = w->cells.at + w->star.at[i];
+        double longest = 0;
+        for (j = 0; j < 4 && cell->carved; j++) {
+            for (k = 0; k < j; k++) {
+                longest = fmax(longest, pbwsf__distance(w->x.at[cell->corner[j]], w->x.at[cell->corner[k]]));
+            }
+            longest += cell->corner[j] < w->artificial ? 8 * pbwsf__distance(w->low, w->high) : 0;
+        }
+        if (cell->carved && longest < best) {
+            best = longest;
+            found = w->star.at[i];
+        }
+    }
+    return found;
+}
+
+static pbw_status pbwwr__make_manifold(pbwwr__work *w)
+{
+    pbw_memory *m = &w->memory;
+    pbwsf__indices first = { NULL, 0, 0 }, queue = { NULL, 0, 0 };       /* per point one of its cells; points */
+    pbw_status status = PBW_ERROR_MEMORY;
+    size_t i, k;
+    if (!PBW_ZEROS(m, first, w->x.count) || !PBW_FIT(m, queue, w->x.count)) {
+        goto done;
+    }
+    for (i = 0; i < w->cells.count; i++) {
+        for (k = 0; k < 4 && w->cells.at[i].corner[0] != PBW_NONE; k++) {
+            first.at[w->cells.at[i].corner[k]] = (pbw_index)i;
+        }
+    }
+    for (i = w->x.count; i-- > 0;) {
+        queue.at[queue.count++] = (pbw_index)i;
+    }
+    while (queue.count > 0) {
+        const pbw_index vertex = queue.at[--queue.count];
+        pbw_index back;
+        if (!pbwwr__find_star(w, vertex, first.at[vertex]) || !PBW_RESERVE(m, w->born, w->star.count)) {
+            goto done;
+        }
+        if (pbwwr__is_fan(w, vertex)) {
+            continue;
+        }
+        back = pbwwr__smallest(w);
+        w->cells.at[back].carved = 0;
+        w->report->repairs++;
+        for (k = 0; k < 4; k++) {
+            if (!PBW_PUSH(m, queue, w->cells.at[back].corner[k])) {
+                goto done;
+            }
+        }
+    }
+    status = PBW_OK;
+done:
+    PBW_RELEASE(m, first);
+    PBW_RELEASE(m, queue);
+    return status;
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   >>result       The arrays of the caller.
+   In: cells, carved or not.  Out: points along a curve, those of the surface first; tetrahedra by their first points;
+   facets in the order of their tetrahedra, with the nearest elements.
+   ------------------------------------------------------------------------------------------------------ */
+typedef struct pbwwr__result {
+    pbw_memory memory;
+    pbwsf__vectors points;
+    pbwsf__triples facets;
+    pbwsf__indices elements;
+    pbwsf__quadruples corners, neighbors;
+} pbwwr__result;
+
+PBWWRAPDEF void pbw_wrap_free(pbw_wrap_result *wrap)
+{
+    if (wrap != NULL && wrap->memory != NULL) {
+        pbwwr__result *r = (pbwwr__result *)wrap->memory;
+        pbw_memory memory = r->memory;
+        PBW_RELEASE(&memory, r->points);
+        PBW_RELEASE(&memory, r->facets);
+        PBW_RELEASE(&memory, r->elements);
+        PBW_RELEASE(&memory, r->corners);
+        PBW_RELEASE(&memory, r->neighbors);
+        (void)pbw_memory_resize(&memory, r, 1, 0, sizeof *r);
+    }
+    if (wrap != NULL) {
+        memset(wrap, 0, sizeof *wrap);
+    }
+}
+
+static int pbwwr__is_kept(const pbwwr__work *w, size_t cell)
+{
+    return w->cells.at[cell].corner[0] != PBW_NONE && !w->cells.at[cell].carved;
+}
+
+static int pbwwr__is_facet(const pbwwr__work *w, size_t cell, size_t k)
+{
+    const pbw_index next = w->cells.at[cell].next[k];
+    return next == PBW_NONE || w->cells.at[next].carved;
+}
+
+/* Numbers points: number[p], first those of facets, then those inside, each along a curve; PBW_NONE: it has no cell
+   that is kept. */
+static pbw_status pbwwr__number_points(pbwwr__work *w, pbwsf__indices *number, pbwwr__result *r,
+                                       pbw_wrap_result *wrap)
+{
+    pbw_memory *m = &w->memory;
+    pbwsf__indices of = { NULL, 0, 0 }, order = { NULL, 0, 0 };          /* points; their places along the curve */
+    pbwsf__vectors places = { NULL, 0, 0 };
+    pbw_status status = PBW_ERROR_MEMORY;
+    size_t i, k, j, part;
+    if (!PBW_ZEROS(m, *number, w->x.count) || !PBW_FIT(m, of, w->x.count) || !PBW_FIT(m, order, w->x.count)
+        || !PBW_FIT(m, places, w->x.count)) {
+        goto done;
+    }
+    for (i = 0; i < w->cells.count; i++) {           /* 2: of a facet, 1: inside */
+        for (k = 0; k < 4 && pbwwr__is_kept(w, i); k++) {
+            for (j = 0; j < 4; j++) {
+                pbw_index *at = number->at + w->cells.at[i].corner[j];
+                *at = j != k && pbwwr__is_facet(w, i, k) ? 2 : *at > 1 ? *at : 1;
+            }
+        }
+    }
+    for (i = j = 0; i < w->x.count; i++) {
+        j += number->at[i] > 0;
+    }
+    if (!PBW_FIT(m, r->points, j)) {
+        goto done;
+    }
+    for (part = 2; part > 0; part--) {
+        for (i = 0, of.count = 0; i < w->x.count; i++) {
+            if (number->at[i] == part) {
+                memcpy(places.at[of.count], w->x.at[i], sizeof *places.at);
+                of.at[of.count++] = (pbw_index)i;
+            }
+        }
+        status = pbw_order(3, (const double *)places.at, of.count, &w->options, order.at);
+        if (status != PBW_OK && status != PBW_DEGENERATE) {
+            goto done;
+        }
+        for (i = 0; i < of.count; i++) {
+            memcpy(r->points.at[r->points.count++], places.at[order.at[i]], sizeof *places.at);
+            number->at[of.at[order.at[i]]] = (pbw_index)(wrap->point_count + i) + 3;
+        }
+        wrap->point_count += of.count;
+        wrap->vertex_count = part == 2 ? of.count : wrap->vertex_count;
+    }
+    for (i = 0; i < w->x.count; i++) {
+        number->at[i] = number->at[i] == 0 ? PBW_NONE : number->at[i] - 3;
+    }
+    status = PBW_OK;
+done:
+    PBW_RELEASE(m, of);
+    PBW_RELEASE(m, order);
+    PBW_RELEASE(m, places);
+    return status;
+}
+
+/* Fills the tetrahedra: those with the least first points first. */
+static pbw_status pbwwr__number_tets(pbwwr__work *w, const pbwsf__indices *number, pbwwr__result *r, size_t count)
+{
+    pbw_memory *m = &w->memory;
+    pbwsf__indices cells = { NULL, 0, 0 }, order = { NULL, 0, 0 }, place = { NULL, 0, 0 };
+    PBW_ARRAY(uint64_t) keys = { NULL, 0, 0 };
+    pbw_status status = PBW_ERROR_MEMORY;
+    size_t i, k;
+    if (PBW_FIT(m, cells, count) && PBW_FIT(m, order, count) && PBW_FIT(m, keys, count)
+        && PBW_FIT(m, place, w->cells.count) && PBW_FIT(m, r->corners, count) && PBW_FIT(m, r->neighbors, count)) {
+        for (i = 0; i < w->cells.count; i++) {
+            if (pbwwr__is_kept(w, i)) {
+                uint64_t least = PBW_NONE;
+                for (k = 0; k < 4; k++) {
+                    const pbw_index p = number->at[w->cells.at[i].corner[k]];
+                    least = p < least ? p : least;
+                }
+                keys.at[cells.count] = least;
+                cells.at[cells.count++] = (pbw_index)i;
+            }
+        }
+        status = pbw_sort(keys.at, count, &w->options, order.at);
+    }
+    for (i = 0; i < count && status == PBW_OK; i++) {
+        place.at[cells.at[order.at[i]]] = (pbw_index)i;
+    }
+    for (i = 0; i < count && status == PBW_OK; i++) {
+        const size_t at = cells.at[order.at[i]];
+        for (k = 0; k < 4; k++) {
+            r->corners.at[i][k] = number->at[w->cells.at[at].corner[k]];
+            r->neighbors.at[i][k] = pbwwr__is_facet(w, at, k) ? PBW_NONE : place.at[w->cells.at[at].next[k]];
+        }
+    }
+    PBW_RELEASE(m, cells);
+    PBW_RELEASE(m, order);
+    PBW_RELEASE(m, keys);
+    PBW_RELEASE(m, place);
+    return status;
+}
+
+typedef struct pbwwr__near {               /* facets that look for their elements */
+    const pbwwr__work *work;
+    pbwwr__result *result;
+} pbwwr__near;
+
+static pbw_status pbwwr__find_nearest(void *arg, size_t from, size_t to)
+{
+    const pbwwr__near *near = (const pbwwr__near *)arg;
+    for (; from < to; from++) {
+        const pbw_index *f = near->result->facets.at[from];
+        double middle[3], place[3];
+        int k;
+        for (k = 0; k < 3; k++) {
+            middle[k] = near->result->points.at[f[0]][k] / 3 + near->result->points.at[f[1]][k] / 3
+                      + near->result->points.at[f[2]][k] / 3;
+        }
+        near->result->elements.at[from] =
+            near->work->origin.at[pbw_surface_closest(&near->work->surface, middle, HUGE_VAL, place)];
+    }
+    return PBW_OK;
+}
+
+static pbw_status pbwwr__list_facets(pbwwr__work *w, pbwwr__result *r, size_t tets, size_t facets)
+{
+    pbwwr__near near;
+    size_t t, k, j;
+    if (!PBW_FIT(&w->memory, r->facets, facets) || !PBW_FIT(&w->memory, r->elements, facets)) {
+        return PBW_ERROR_MEMORY;
+    }
+    for (t = 0; t < tets; t++) {
+        for (k = 0; k < 4; k++) {
+            if (r->neighbors.at[t][k] == PBW_NONE) {
+                for (j = 0; j < 3; j++) {
+                    r->facets.at[r->facets.count][j] = r->corners.at[t][PBW_FACET_CORNER(k, j)];
+                }
+                r->facets.count++;
+            }
+        }
+    }
+    near.work = w;
+    near.result = r;
+    return pbw_for(&w->options, facets, 256, pbwwr__find_nearest, &near);
+}
+
+/* Sums up what is inside: its volume, its surface's area, numbers of tetrahedra and facets. */
+static void pbwwr__measure(const pbwwr__work *w, double *volume, double *area, size_t *tets, size_t *facets)
+{
+    size_t i, k;
+    *volume = *area = 0;
+    *tets = *facets = 0;
+    for (i = 0; i < w->cells.count; i++) {
+        const double *c[4];
+        double n[3], d[3];
+        if (!pbwwr__is_kept(w, i)) {
+            continue;
+        }
+        pbwwr__corners(w, w->cells.at + i, c);
+        pbwsf__normal(c[0], c[1], c[2], n);
+        pbwsf__minus(c[3], c[0], d);
+        *volume += pbwsf__dot(n, d) / 6;
+        ++*tets;
+        for (k = 0; k < 4; k++) {
+            if (pbwwr__is_facet(w, i, k)) {
+                pbwsf__normal(c[PBW_FACET_CORNER(k, 0)], c[PBW_FACET_CORNER(k, 1)], c[PBW_FACET_CORNER(k, 2)], n);
+                *area += sqrt(pbwsf__dot(n, n)) / 2;
+                ++*facets;
+            }
+        }
+    }
+}
+
+/* Counts the surface's parts that edges join. */
+static pbw_status pbwwr__count_components(pbwwr__work *w, const pbwwr__result *r, size_t vertices)
+{
+    pbwsf__indices tree = { NULL, 0, 0 };            /* the root of a component is its own parent */
+    size_t i, k;
+    if (!PBW_FIT(&w->memory, tree, vertices)) {
+        return PBW_ERROR_MEMORY;
+    }
+    for (i = 0; i < vertices; i++) {
+        tree.at[i] = (pbw_index)i;
+    }
+    w->report->components = vertices;
+    for (i = 0; i < r->facets.count; i++) {
+        for (k = 0; k < 2; k++) {
+            pbw_index a = r->facets.at[i][k], b = r->facets.at[i][k + 1];
+            while (tree.at[a] != a) {
+                a = tree.at[a] = tree.at[tree.at[a]];
+            }
+            while (tree.at[b] != b) {
+                b = tree.at[b] = tree.at[tree.at[b]];
+            }
+            w->report->components -= a != b;
+            tree.at[a < b ? b : a] = a < b ? a : b;
+        }
+    }
+    PBW_RELEASE(&w->memory, tree);
+    return PBW_OK;
+}
+
+static pbw_status pbwwr__output(pbwwr__work *w, pbw_wrap_result *wrap)
+{
+    pbwsf__indices number = { NULL, 0, 0 };
+    pbwwr__result *r = (pbwwr__result *)pbw_memory_resize(&w->memory, NULL, 0, 1, sizeof *r);
+    pbw_status status;
+    if (r == NULL) {
+        return PBW_ERROR_MEMORY;
+    }
+    memset(r, 0, sizeof *r);
+    wrap->memory = r;
+    pbwwr__measure(w, &w->report->volume, &w->report->area, &wrap->tet_count, &wrap->facet_count);
+    status = pbwwr__number_points(w, &number, r, wrap);
+    status = status != PBW_OK ? status : pbwwr__number_tets(w, &number, r, wrap->tet_count);
+    status = status != PBW_OK ? status : pbwwr__list_facets(w, r, wrap->tet_count, wrap->facet_count);
+    status = status != PBW_OK ? status : pbwwr__count_components(w, r, wrap->vertex_count);
+    PBW_RELEASE(&w->memory, number);
+    r->memory = w->memory;
+    wrap->points = (const double *)r->points.at;
+    wrap->facets = (const pbw_index *)r->facets.at;
+    wrap->elements = r->elements.at;
+    wrap->corners = (const pbw_index *)r->corners.at;
+    wrap->neighbors = (const pbw_index *)r->neighbors.at;
+    return status;
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   >>stages       All of it in order.
+   In: elements.  Out: the wrap and the report.
+   ------------------------------------------------------------------------------------------------------ */
+static int pbwwr__are_below(const pbw_index *ids, size_t count, size_t most)
+{
+    while (count > 0 && ids[count - 1] < most) {
+        count--;
+    }
+    return count == 0;
+}
+
+/* Whether three points are on a line. */
+static int pbwwr__are_in_line(const double *a, const double *b, const double *c)
+{
+    int k, flat = 1;
+    for (k = 0; k < 3 && flat; k++) {
+        const double p[3][2] = { { a[k], a[(k + 1) % 3] }, { b[k], b[(k + 1) % 3] }, { c[k], c[(k + 1) % 3] } };
+        flat = pbw_orient2(p[0], p[1], p[2]) == 0;
+    }
+    return flat;
+}
+
+/* Gives a triangle without area the ends of its longest edge, the second one twice. */
+static void pbwwr__flatten(pbwsf__vector c[3])
+{
+    const double ab = pbwsf__distance(c[0], c[1]), bc = pbwsf__distance(c[1], c[2]);
+    const double ca = pbwsf__distance(c[2], c[0]);
+    if (bc > ab && bc >= ca) {
+        memcpy(c[0], c[2], sizeof *c);
+    } else if (ca > ab) {
+        memcpy(c[1], c[2], sizeof *c);
+    }
+    memcpy(c[2], c[1], sizeof *c);
+}
+
+/* Fills the triangles: a segment has its second corner twice, a single point is a triangle of three. */
+static void pbwwr__list_elements(pbwwr__work *w, const pbw_wrap_input *in, size_t total)
+{
+    size_t i;
+    for (i = 0; i < total; i++) {
+        const size_t s = i - in->triangle_count, p = s - in->segment_count;
+        pbw_index *c = w->elements.at[i];
+        if (i < in->triangle_count) {
+            memcpy(c, in->triangles + 3 * i, sizeof *w->elements.at);
+        } else if (s < in->segment_count) {
+            c[0] = in->segments[2 * s];
+            c[1] = c[2] = in->segments[2 * s + 1];
+        } else {
+            c[0] = c[1] = c[2] = in->singles[p];
+        }
+    }
+}
+
+/* Makes the tree, and then its triangles and their corners lie in memory in its order: queries read what is near. */
+static pbw_status pbwwr__load(pbwwr__work *w, const pbw_wrap_input *in)
+{
+    const size_t total = in->triangle_count + in->segment_count + in->single_count;
+    pbwsf__tree *tree;
+    pbw_status status;
+    size_t i;
+    if (!pbwwr__are_below(in->triangles, 3 * in->triangle_count, in->point_count)
+        || !pbwwr__are_below(in->segments, 2 * in->segment_count, in->point_count)
+        || !pbwwr__are_below(in->singles, in->single_count, in->point_count)) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    if (total > PBW_NONE / 3) {
+        return PBW_ERROR_TOO_LARGE;
+    }
+    if (!PBW_FIT(&w->memory, w->elements, total) || !PBW_FIT(&w->memory, w->places, 3 * total)
+        || !PBW_FIT(&w->memory, w->origin, total)) {
+        return PBW_ERROR_MEMORY;
+    }
+    pbwwr__list_elements(w, in, total);
+    status = pbw_surface_create(in->points, in->point_count, (const pbw_index *)w->elements.at, total, &w->options,
+                                &w->surface);
+    if (status != PBW_OK) {
+        return status;
+    }
+    tree = (pbwsf__tree *)w->surface.memory;
+    for (i = 0; i < 3 * total; i++) {
+        memcpy(w->places.at[i], pbwsf__corner(&w->surface, tree->order.at[i / 3], (int)(i % 3)),
+               sizeof *w->places.at);
+    }
+    for (i = 0; i < total; i++) {
+        pbwsf__vector *const c = w->places.at + 3 * i;
+        if (pbwwr__are_in_line(c[0], c[1], c[2])) {
+            pbwwr__flatten(c);
+        }
+        w->origin.at[i] = tree->order.at[i];
+        tree->order.at[i] = (pbw_index)i;
+        w->elements.at[i][0] = (pbw_index)(3 * i);
+        w->elements.at[i][1] = (pbw_index)(3 * i + 1);
+        w->elements.at[i][2] = (pbw_index)(3 * i + 2);
+    }
+    w->surface.points = (const double *)w->places.at;
+    w->surface.point_count = 3 * total;
+    return PBW_OK;
+}
+
+/* Frees what pbwwr__load makes. */
+static void pbwwr__unload(pbwwr__work *w)
+{
+    pbw_surface_free(&w->surface);
+    PBW_RELEASE(&w->memory, w->elements);
+    PBW_RELEASE(&w->memory, w->places);
+    PBW_RELEASE(&w->memory, w->origin);
+}
+
+/* Sets alpha, the offset and the box. */
+static pbw_status pbwwr__set_lengths(pbwwr__work *w, double alpha)
+{
+    const pbwsf__box *box = ((const pbwsf__tree *)w->surface.memory)->boxes.at;
+    const double diagonal = pbwsf__distance(box->low, box->high), margin = 0.1 * diagonal;
+    double largest = 0;
+    int k;
+    w->alpha = alpha > 0 ? alpha : w->how->alpha_at != NULL ? diagonal : diagonal / 50;
+    w->offset = w->how->offset > 0 ? w->how->offset : alpha > 0 ? alpha / 30 : diagonal / 1500;
+    w->largest = 0;
+    for (k = 0; k < 3; k++) {
+        largest = fmax(largest, fmax(fabs(box->low[k]), fabs(box->high[k])));
+        w->low[k] = box->low[k] - (margin + 2 * (w->alpha + w->offset));
+        w->high[k] = box->high[k] + (margin + 2 * (w->alpha + w->offset));
+        w->largest = fmax(w->largest, fmax(fabs(w->low[k]), fabs(w->high[k])));
+    }
+    w->report->alpha = w->alpha;
+    w->report->offset = w->offset;
+    w->report->refusal = !(w->alpha > 0) ? PBW_WRAP_NO_SIZE
+                       : !(w->offset >= PBWWR__NEAREST * largest) ? PBW_WRAP_NEAR : PBW_WRAP_DONE;
+    return w->report->refusal == PBW_WRAP_NO_SIZE ? PBW_DEGENERATE
+         : w->report->refusal == PBW_WRAP_NEAR || !(w->alpha <= 1e100 && w->offset <= 1e100 && w->largest <= 1e100)
+         ? PBW_ERROR_ARGUMENT : PBW_OK;
+}
+
+/* Adds the corners of the box, and of an icosahedron with edges above alpha around each seed that has room for it. */
+static int pbwwr__add_artificial(pbwwr__work *w)
+{
+    const double radius = w->alpha, golden = 0.85065080835203993, short_side = 0.52573111211913361;
+    double place[3];
+    size_t i, j;
+    int k;
+    w->report->unused_seeds = 0;
+    if (!PBW_RESERVE(&w->memory, w->x, PBWWR__BOX + PBWWR__ICOSAHEDRON * w->how->seed_count)) {
+        return 0;
+    }
+    for (i = 0; i < PBWWR__BOX; i++) {
+        for (k = 0; k < 3; k++) {
+            w->x.at[i][k] = (i >> k & 1) != 0 ? w->high[k] : w->low[k];
+        }
+    }
+    w->x.count = PBWWR__BOX;
+    for (i = 0; i < w->how->seed_count; i++) {
+        const double *seed = w->how->seeds + 3 * i;
+        int within = 1;
+        for (k = 0; k < 3; k++) {
+            within &= seed[k] > w->low[k] + radius && seed[k] < w->high[k] - radius;
+        }
+        if (!within || pbw_surface_closest(&w->surface, seed, radius + w->offset, place) != PBW_NONE) {
+            w->report->unused_seeds++;
+            continue;
+        }
+        for (j = 0; j < PBWWR__ICOSAHEDRON; j++) {   /* (0, s, g), with all signs, and turned */
+            double *p = w->x.at[w->x.count++];
+            const size_t axis = j / 4;
+            p[axis] = seed[axis];
+            p[(axis + 1) % 3] = seed[(axis + 1) % 3] + ((j & 1) != 0 ? radius : -radius) * short_side;
+            p[(axis + 2) % 3] = seed[(axis + 2) % 3] + ((j & 2) != 0 ? radius : -radius) * golden;
+        }
+    }
+    w->artificial = w->x.count;
+    return 1;
+}
+
+/* Carves the cells inside of icosahedra: nothing is there.  All facets of carved cells, and of the box, are gates. */
+static pbw_status pbwwr__open_gates(pbwwr__work *w)
+{
+    size_t i;
+    unsigned k;
+    for (i = 0; i < w->cells.count; i++) {
+        pbwwr__cell *cell = w->cells.at + i;
+        const pbw_index ball = (cell->corner[0] - PBWWR__BOX) / PBWWR__ICOSAHEDRON;
+        const double *c[4];
+        pbwwr__corners(w, cell, c);
+        for (k = 0; k < 4 && cell->corner[k] >= PBWWR__BOX
+             && (cell->corner[k] - PBWWR__BOX) / PBWWR__ICOSAHEDRON == ball; k++) {
+        }
+        cell->carved = k == 4 && !pbwwr__meets(&w->surface, c, w->largest);
+    }
+    for (i = 0; i < w->cells.count; i++) {
+        for (k = 0; k < 4; k++) {
+            const pbw_index next = w->cells.at[i].next[k];
+            if (!w->cells.at[i].carved && (next == PBW_NONE || w->cells.at[next].carved)
+                && !pbwwr__add_gate(w, (pbw_index)i, k)) {
+                return PBW_ERROR_MEMORY;
+            }
+        }
+    }
+    return PBW_OK;
+}
+
+/* Triangulates the box and the seeds, and carves. */
+static pbw_status pbwwr__wrap(pbwwr__work *w)
+{
+    pbw_mesh mesh;
+    pbw_status status;
+    size_t i;
+    memset(&mesh, 0, sizeof mesh);
+    w->cells.count = w->visited.count = w->gates.count = w->alive = 0;
+    w->free = PBW_NONE;
+    if (!pbwwr__add_artificial(w)) {
+        return PBW_ERROR_MEMORY;
+    }
+    status = pbw_triangulate(3, (const double *)w->x.at, NULL, w->x.count, &w->options, &mesh);
+    if (status == PBW_OK && (!PBW_FIT(&w->memory, w->cells, 2 * mesh.simplex_count)
+                             || !PBW_FIT(&w->memory, w->visited, 2 * mesh.simplex_count))) {
+        status = PBW_ERROR_MEMORY;
+    }
+    for (i = 0; i < mesh.simplex_count && status == PBW_OK; i++) {
+        const pbw_index cell = pbwwr__new_cell(w);
+        memcpy(w->cells.at[cell].corner, mesh.simplices + 4 * i, sizeof w->cells.at->corner);
+        memcpy(w->cells.at[cell].next, mesh.neighbors + 4 * i, sizeof w->cells.at->next);
+    }
+    pbw_free(&mesh);
+    status = status != PBW_OK ? status : pbwwr__open_gates(w);
+    status = status != PBW_OK ? status : pbwwr__carve(w);
+    return status != PBW_OK ? status : pbwwr__make_manifold(w);
+}
+
+/* Counts the edges of an odd number of triangles.  A corner is known by its coordinates, mixed, and so is an edge. */
+static pbw_status pbwwr__count_open(pbwwr__work *w, const pbw_wrap_input *in)
+{
+    PBW_ARRAY(uint64_t) keys = { NULL, 0, 0 };
+    pbwsf__indices order = { NULL, 0, 0 };
+    const size_t count = 3 * in->triangle_count;
+    pbw_status status = PBW_ERROR_MEMORY;
+    size_t i, k, end;
+    if (PBW_FIT(&w->memory, keys, count) && PBW_FIT(&w->memory, order, count)) {
+        for (i = 0; i < count; i++) {
+            const double *ends[2];
+            uint64_t key[2] = { 0, 0 };
+            ends[0] = in->points + 3 * (size_t)in->triangles[i];
+            ends[1] = in->points + 3 * (size_t)in->triangles[i % 3 == 2 ? i - 2 : i + 1];
+            for (k = 0; k < 6; k++) {
+                key[k / 3] = pbw_random(key[k / 3], pbw_sort_key(ends[k / 3][k % 3]));
+            }
+            keys.at[i] = key[0] == key[1] ? 0 : pbw_random(key[0] < key[1] ? key[0] : key[1],
+                                                           key[0] < key[1] ? key[1] : key[0]);
+        }
+        status = pbw_sort(keys.at, count, &w->options, order.at);
+    }
+    for (i = 0; i < count && status == PBW_OK; i = end) {
+        for (end = i + 1; end < count && keys.at[order.at[end]] == keys.at[order.at[i]]; end++) {
+        }
+        w->report->open_edges += keys.at[order.at[i]] != 0 && (end - i) % 2 == 1;
+    }
+    PBW_RELEASE(&w->memory, keys);
+    PBW_RELEASE(&w->memory, order);
+    return status;
+}
+
+static int pbwwr__is_thin(const pbwwr__work *w)
+{
+    double volume, area;
+    size_t tets, facets;
+    pbwwr__measure(w, &volume, &area, &tets, &facets);
+    return 2 * volume < fmax(PBWWR__THIN * w->offset, w->alpha / PBWWR__ROUNDED) * area;
+}
+
+/* Looks for the least alpha that makes no shell: doubles it until there is one, and bisects four times. */
+static pbw_status pbwwr__find_closing(pbwwr__work *w, double *closing)
+{
+    pbw_wrap_report other = *w->report, *const report = w->report;
+    const double most = pbwsf__distance(w->low, w->high);
+    double shell = w->alpha, closed = 0;
+    pbw_status status = PBW_OK;
+    int i;
+    w->report = &other;
+    for (i = 0; status == PBW_OK && i < 4 && shell < most;) {
+        status = pbwwr__set_lengths(w, closed > 0 ? sqrt(shell * closed) : 2 * shell);
+        status = status != PBW_OK ? status : pbwwr__wrap(w);
+        i += closed > 0;
+        if (status == PBW_OK && pbwwr__is_thin(w)) {
+            shell = w->alpha;
+        } else if (status == PBW_OK) {
+            closed = w->alpha;
+        }
+    }
+    w->report = report;
+    *closing = closed;
+    return status;
+}
+
+static pbw_status pbwwr__run(pbwwr__work *w, const pbw_wrap_input *in, pbw_wrap_result *wrap)
+{
+    pbw_wrap_report *const r = w->report;
+    double start = (double)clock();
+    pbw_status status = pbwwr__load(w, in);
+    r->seconds[0] = ((double)clock() - start) / CLOCKS_PER_SEC;
+    start = (double)clock();
+    status = status != PBW_OK ? status : pbwwr__set_lengths(w, w->how->alpha);
+    status = status != PBW_OK ? status : pbwwr__wrap(w);
+    r->seconds[1] = ((double)clock() - start) / CLOCKS_PER_SEC;
+    start = (double)clock();
+    w->done = fmax(w->done, 0.9);
+    status = status != PBW_OK ? status : pbwwr__output(w, wrap);
+    status = status != PBW_OK ? status : pbwwr__count_open(w, in);
+    if (status == PBW_OK && (r->open_edges > 0 || in->triangle_count == 0)) {
+        r->shell = pbwwr__is_thin(w);
+        if (r->shell && w->how->closing && w->how->alpha_at == NULL) {
+            status = pbwwr__find_closing(w, &r->closing);
+        }
+    }
+    r->seconds[2] = ((double)clock() - start) / CLOCKS_PER_SEC;
+    w->done = 1;
+    return status != PBW_OK ? status : pbwwr__progress(w, PBW_STAGE_WORK, 0) ? PBW_CANCELLED : PBW_OK;
+}
+
+/* The caller's threads and job system, memory that counts in the work's, and its progress. */
+static void pbwwr__set_options(pbwwr__work *w, const pbw_options *options)
+{
+    memset(&w->options, 0, sizeof w->options);
+    w->caller = options;
+    if (options != NULL) {
+        w->options.threads = options->threads;
+        w->options.run = options->run;
+        w->options.run_user = options->run_user;
+        w->options.resize = options->resize;
+        w->options.resize_user = options->resize_user;
+        w->options.memory_limit = options->memory_limit;
+    }
+    pbw_memory_start(&w->memory, &w->options);
+    pbw_memory_nest(&w->memory, &w->options);
+    w->options.progress = pbwwr__progress;
+    w->options.progress_user = w;
+}
+
+PBWWRAPDEF pbw_status pbw_wrap(const pbw_wrap_input *input, const pbw_wrap_options *how, const pbw_options *options,
+                               pbw_wrap_result *wrap, pbw_wrap_report *report)
+{
+    pbw_wrap_options plain;
+    pbw_wrap_report own;
+    pbwwr__work w;
+    pbw_status status = PBW_OK;
+    size_t i;
+    memset(&w, 0, sizeof w);
+    memset(&plain, 0, sizeof plain);
+    w.how = how != NULL ? how : &plain;
+    w.report = report != NULL ? report : &own;
+    memset(w.report, 0, sizeof *w.report);
+    if (wrap != NULL) {
+        memset(wrap, 0, sizeof *wrap);
+    }
+    if (input == NULL || wrap == NULL || !(w.how->alpha >= 0) || !(w.how->offset >= 0)
+        || (input->triangle_count > 0 && input->triangles == NULL)
+        || (input->segment_count > 0 && input->segments == NULL)
+        || (input->single_count > 0 && input->singles == NULL) || (w.how->seed_count > 0 && w.how->seeds == NULL)) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    if (input->triangle_count + input->segment_count + input->single_count == 0) {
+        w.report->refusal = PBW_WRAP_EMPTY;
+        return PBW_DEGENERATE;
+    }
+    for (i = 0; i < 3 * w.how->seed_count; i++) {
+        status = fabs(w.how->seeds[i]) <= 1e300 ? status : PBW_ERROR_NOT_FINITE;
+    }
+    pbwwr__set_options(&w, options);
+    status = status != PBW_OK ? status : pbwwr__run(&w, input, wrap);
+    pbwwr__unload(&w);
+    PBW_RELEASE(&w.memory, w.x);
+    PBW_RELEASE(&w.memory, w.cells);
+    PBW_RELEASE(&w.memory, w.visited);
+    PBW_RELEASE(&w.memory, w.star);
+    PBW_RELEASE(&w.memory, w.born);
+    PBW_RELEASE(&w.memory, w.gates);
+    PBW_RELEASE(&w.memory, w.verdicts);
+    if (status != PBW_OK) {
+        pbw_wrap_free(wrap);
+    }
+    return status;
+}
+
+/* ---- distances ---- */
+
+typedef struct pbwwr__far {                /* places of triangles, and the surface that they are far from */
+    const pbw_surface *of, *from;
+    int per;                               /* places a triangle: 3 corners, 1 centroid, 3 middles of edges */
+    double *block;                         /* the largest distance of each block */
+} pbwwr__far;
+
+enum { PBWWR__BLOCK = 256 };
+
+static pbw_status pbwwr__find_far(void *arg, size_t from, size_t to)
+{
+    static const double weights[7][3] = { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 }, { 1. / 3, 1. / 3, 1. / 3 },
+                                          { .5, .5, 0 }, { 0, .5, .5 }, { .5, 0, .5 } };
+    const pbwwr__far *far = (const pbwwr__far *)arg;
+    double *most = far->block + from / PBWWR__BLOCK;
+    int i, j, k;
+    for (*most = 0; from < to; from++) {
+        for (i = 0; i < far->per; i++) {
+            double p[3] = { 0, 0, 0 }, q[3];
+            for (j = 0; j < 3; j++) {
+                for (k = 0; k < 3; k++) {
+                    p[k] += weights[i][j] * pbwsf__corner(far->of, (pbw_index)from, j)[k];
+                }
+            }
+            (void)pbw_surface_closest(far->from, p, HUGE_VAL, q);
+            *most = fmax(*most, pbwsf__distance(p, q));
+        }
+    }
+    return PBW_OK;
+}
+
+static pbw_status pbwwr__farthest(pbwwr__work *w, const pbw_surface *of, const pbw_surface *from, int per,
+                                  double *distance)
+{
+    pbwsf__numbers blocks = { NULL, 0, 0 };
+    pbwwr__far far;
+    pbw_status status;
+    size_t i;
+    if (!PBW_ZEROS(&w->memory, blocks, of->triangle_count / PBWWR__BLOCK + 1)) {
+        return PBW_ERROR_MEMORY;
+    }
+    far.of = of;
+    far.from = from;
+    far.per = per;
+    far.block = blocks.at;
+    status = pbw_for(&w->options, of->triangle_count, PBWWR__BLOCK, pbwwr__find_far, &far);
+    for (i = 0, *distance = 0; i < blocks.count; i++) {
+        *distance = fmax(*distance, blocks.at[i]);
+    }
+    PBW_RELEASE(&w->memory, blocks);
+    return status;
+}
+
+PBWWRAPDEF pbw_status pbw_wrap_distance(const pbw_wrap_input *input, const double *points, size_t point_count,
+                                        const pbw_index *facets, size_t facet_count, const pbw_options *options,
+                                        double distance[2])
+{
+    pbw_surface surface;
+    pbwwr__work w;
+    pbw_status status;
+    memset(&w, 0, sizeof w);
+    memset(&surface, 0, sizeof surface);
+    if (input == NULL || distance == NULL || facet_count == 0
+        || input->triangle_count + input->segment_count + input->single_count == 0) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    pbwwr__set_options(&w, options);
+    status = pbwwr__load(&w, input);
+    status = status != PBW_OK ? status
+           : pbw_surface_create(points, point_count, facets, facet_count, &w.options, &surface);
+    status = status != PBW_OK ? status : pbwwr__farthest(&w, &surface, &w.surface, 7, distance);
+    status = status != PBW_OK ? status : pbwwr__farthest(&w, &w.surface, &surface, 4, distance + 1);
+    pbw_surface_free(&surface);
+    pbwwr__unload(&w);
+    return status;
+}
+
+PBW_CONTRACTION_ON
+#endif /* PBWSF__SEAM */
+#endif /* PBW_WRAP_IMPLEMENTATION */

@@ -1,0 +1,271 @@
+/* wrap.c: pbw wrap.
+   In: triangles, segments and points, perhaps in groups.  Out: a closed surface around them, with the groups of the
+   nearest triangles, the tetrahedra inside of it, and a report. */
+#include "program.h"
+
+static const option wrap_options[] = {
+    OPTION_ALPHA("radius of a ball that does not pass: holes and gaps below twice that are closed;\n"
+                 "default: 1/50 of the diagonal"),
+    { "--offset", "D", "distance of the wrap's points from the model; default: 1/30 of alpha", POSITIVE, 0, 0, NULL },
+    { "--cavities", "FILE", "points: cavities with one of them are carved from inside, too", PLAIN, 0, 0, NULL },
+    { "--all-points", NULL, "wraps points that are corners of nothing, too", SWITCH, 0, 0, NULL },
+    { "--fast", NULL, "half the time, up to a quarter more facets", SWITCH, 0, 0, NULL },
+    OPTION_MOST("tetrahedra"),
+    OPTION_QUALITY,
+    { NULL, NULL, NULL, SWITCH, 0, 0, NULL }
+};
+
+/* ---- the input ---- */
+
+typedef struct elements {
+    pbw_wrap_input in;
+    pbw_index *boundary, *singles;                   /* of tetrahedra; points that are corners of nothing */
+} elements;
+
+/* Lists points that are corners of nothing, if they are wanted or all there is. */
+static int list_points(const job *j, elements *e)
+{
+    const size_t count = j->cloud.count;
+    const int wanted = e->in.triangle_count + e->in.segment_count == 0 || is_given(j, "--all-points");
+    unsigned char *used = (unsigned char *)calloc(count + 1, 1);
+    size_t i, left = 0;
+    e->singles = (pbw_index *)malloc((count + 1) * sizeof *e->singles);
+    if (used == NULL || e->singles == NULL) {
+        free(used);
+        return fail(j, "out of memory");
+    }
+    for (i = 0; i < 3 * e->in.triangle_count; i++) {
+        used[e->in.triangles[i]] = 1;
+    }
+    for (i = 0; i < 2 * e->in.segment_count; i++) {
+        used[e->in.segments[i]] = 1;
+    }
+    for (i = 0; i < 4 * j->cloud.tetrahedron_count; i++) {
+        used[j->cloud.tetrahedra[i]] = 1;
+    }
+    for (i = 0; i < count; i++) {
+        if (!used[i]) {
+            e->singles[left++] = (pbw_index)i;
+        }
+    }
+    free(used);
+    e->in.singles = e->singles;
+    e->in.single_count = wanted ? left : 0;
+    if (!wanted && left > 0) {
+        warn(j, "%s: %zu point%s of no face or segment %s left out; --all-points wraps %s, too", j->input, COUNT(left),
+             left == 1 ? "is" : "are", left == 1 ? "it" : "them");
+    }
+    return 0;
+}
+
+/* The triangles and segments of the file, of tetrahedra their boundary. */
+static int find_elements(job *j, elements *e)
+{
+    const pbwio_cloud *c = &j->cloud;
+    mesh_faults faults;
+    memset(e, 0, sizeof *e);
+    e->in.points = c->points;
+    e->in.point_count = c->count;
+    e->in.triangles = c->triangles;
+    e->in.triangle_count = c->triangle_count;
+    e->in.segments = c->segments;
+    e->in.segment_count = c->segment_count;
+    if (c->tetrahedron_count > 0) {
+        const int failed = take_simplices(j, &faults);
+        if (failed) {
+            return failed;
+        }
+        e->boundary = boundary_of(j, &e->in.triangle_count);
+        e->in.triangles = e->boundary;
+        if (e->boundary == NULL) {
+            return fail(j, "out of memory");
+        }
+        if (c->triangle_count > 0) {
+            warn(j, "%s: it has tetrahedra: their boundary is wrapped, and not its %zu face%s", j->input,
+                 COUNT(c->triangle_count));
+        }
+    }
+    return list_points(j, e);
+}
+
+static int load_seeds(job *j, pbwio_cloud *seeds, pbw_wrap_options *how)
+{
+    pbwio_options read = j->read;
+    pbwio_error error;
+    pbwio_status status;
+    const char *path = text_of(j, "--cavities");
+    if (path == NULL) {
+        return 0;
+    }
+    read.columns = read.weight = read.keep = NULL;
+    status = pbwio_read(path, &read, seeds, &error);
+    how->seeds = seeds->points;
+    how->seed_count = seeds->count;
+    return status == PBWIO_OK ? 0 : explain_io(j, status, &error);
+}
+
+/* ---- the report ---- */
+
+static int refuse(const job *j, pbw_status status, const pbw_wrap_report *r)
+{
+    switch (r->refusal) {
+    case PBW_WRAP_EMPTY:
+        return fail(j, "%s: it has nothing to wrap", j->input);
+    case PBW_WRAP_NO_SIZE:
+        return fail(j, "%s: all of it is at one place; --alpha says how large the wrap shall be", j->input);
+    case PBW_WRAP_NEAR:
+        return fail(j, "%s: the offset %.3g is below 1e-9 of its largest coordinate; a larger --offset will do, or "
+                    "the model nearer to the origin", j->input, r->offset);
+    case PBW_WRAP_LARGE:
+        return fail(j, "%s: more tetrahedra than --most allows; a larger --alpha needs fewer", j->input);
+    default:
+        return explain_file(j, status, "");
+    }
+}
+
+static void report_on(const job *j, const pbw_wrap_result *w, const pbw_wrap_report *r, const double distance[2])
+{
+    report_step(j, "tree", r->seconds[0], "%s", "");
+    report_step(j, "wrap", r->seconds[1], "alpha %.6g, offset %.6g, %zu round%s", r->alpha, r->offset,
+                COUNT(r->rounds));
+    report_line(j, "%zu facet%s in %zu component%s, %zu point%s; %zu %s inside; %.0f facets a second",
+                COUNT(w->facet_count), COUNT(r->components), COUNT(w->point_count), w->tet_count,
+                simplices(3, w->tet_count), r->seconds[1] > 0 ? (double)w->facet_count / r->seconds[1] : 0);
+    report_line(j, "volume %.9g, area %.9g; the wrap is up to %.6g from the model, the model up to %.6g from the "
+                "wrap", r->volume, r->area, distance[0], distance[1]);
+    if (r->repairs > 0) {
+        report_line(j, "%zu tetrahedr%s put back for a manifold", r->repairs, r->repairs == 1 ? "on" : "a");
+    }
+    if (r->unused_seeds > 0) {
+        warn(j, "%zu seed%s nearer to the model than alpha, or outside of its box: they have no effect",
+             r->unused_seeds, r->unused_seeds == 1 ? " is" : "s are");
+    }
+    if (r->shell) {
+        char remedy[80] = "; a larger --alpha may close it";
+        if (r->closing > 0) {
+            snprintf(remedy, sizeof remedy, "; --alpha %.3g closes it", r->closing);
+        }
+        warn(j, "the wrap is a thin shell around both sides of the model, which is open%s", remedy);
+    }
+}
+
+/* ---- the output ---- */
+
+/* The groups of the nearest triangles, as patches of the facets. */
+static int name_patches(job *j, const elements *e, const pbw_wrap_result *w)
+{
+    const pbwio_cloud *c = &j->cloud;
+    size_t i, facet = 0;
+    if (c->triangle_groups == NULL || e->boundary != NULL) {
+        return 0;
+    }
+    j->patches = (pbw_index *)malloc((4 * w->tet_count + 1) * sizeof *j->patches);
+    if (j->patches == NULL) {
+        return fail(j, "out of memory");
+    }
+    for (i = 0; i < 4 * w->tet_count; i++) {
+        const pbw_index element = w->neighbors[i] == PBW_NONE ? w->elements[facet++] : PBW_NONE;
+        j->patches[i] = element < c->triangle_count ? c->triangle_groups[element] : PBW_NONE;
+    }
+    j->write.patches = j->patches;
+    j->write.groups = c->groups;
+    j->write.group_count = c->group_count;
+    return 0;
+}
+
+/* Writes the wrap alone: pages show nothing of the model. */
+static int write_wrap(job *j, const elements *e, const pbw_wrap_result *w)
+{
+    pbw_tets tets;
+    pbw_index *regions = NULL;
+    int failed = name_patches(j, e, w);
+    memset(&tets, 0, sizeof tets);
+    tets.points = w->points;
+    tets.point_count = w->point_count;
+    tets.corners = w->corners;
+    tets.tet_count = w->tet_count;
+    tets.neighbors = w->neighbors;
+    if (is_given(j, "--quality")) {
+        describe_measures(j, &tets);
+    }
+    show_tets(j, &tets);
+    if (!failed && j->write.groups != NULL) {        /* tetrahedra are in no group */
+        regions = (pbw_index *)malloc((w->tet_count + 1) * sizeof *regions);
+        if (regions != NULL) {
+            memset(regions, 0xff, w->tet_count * sizeof *regions);               /* PBW_NONE */
+        }
+        failed = regions != NULL ? 0 : fail(j, "out of memory");
+        j->write.regions = regions;
+    }
+    j->cloud.count = j->cloud.triangle_count = j->cloud.segment_count = 0;
+    failed = failed ? failed : write_mesh(j);
+    drop_groups(j);
+    free(regions);
+    memset(&j->mesh, 0, sizeof j->mesh);
+    return failed;
+}
+
+/* ---- the command ---- */
+
+static int run(job *j)
+{
+    pbw_wrap_options how;
+    pbw_wrap_report report;
+    pbw_wrap_result wrap;
+    pbwio_cloud seeds;
+    pbw_status status;
+    elements e;
+    double distance[2] = { 0, 0 };
+    int failed;
+    memset(&seeds, 0, sizeof seeds);
+    memset(&how, 0, sizeof how);
+    memset(&e, 0, sizeof e);
+    how.alpha = number_of(j, "--alpha", 0);
+    how.offset = number_of(j, "--offset", 0);
+    how.most = number_of(j, "--most", 0);
+    how.fast = is_given(j, "--fast");
+    how.closing = 1;
+    j->read.dim = 3;
+    failed = load(j, 0);
+    failed = failed ? failed : complete_groups(j);
+    failed = failed ? failed : load_seeds(j, &seeds, &how);
+    failed = failed ? failed : find_elements(j, &e);
+    if (!failed) {
+        status = pbw_wrap(&e.in, &how, &j->build, &wrap, &report);
+        failed = status != PBW_OK ? refuse(j, status, &report)
+               : explain(j, pbw_wrap_distance(&e.in, wrap.points, wrap.point_count, wrap.facets, wrap.facet_count,
+                                              &j->build, distance));
+        if (!failed) {
+            report_on(j, &wrap, &report, distance);
+            failed = write_wrap(j, &e, &wrap);
+        }
+        pbw_wrap_free(&wrap);
+    }
+    pbwio_free(&seeds);
+    free(e.boundary);
+    free(e.singles);
+    return failed;
+}
+
+const command command_wrap = {
+    .name = "wrap",
+    .summary = "close any model: a surface around it",
+    .usage =
+    "usage: pbw wrap [options] model [-o output]...\n"
+    "\n"
+    "Wraps faces, segments and points, with holes, crossings and gaps, in a closed surface that touches nothing of\n"
+    "them and encloses all of it.  A ball of radius alpha does not get in: a smaller alpha follows the model more\n"
+    "closely, and goes into smaller holes.  The points of the surface are at the offset from the model.  Facets\n"
+    "have the group of the nearest face.  Formats of meshes get the tetrahedra inside, of any shape; pbw improve\n"
+    "makes them good.\n"
+    "\n"
+    "input:   .obj .ply .stl .off .msh .mesh .inp .vtu .vtk .csv .xyz and others: faces, segments, points, and of\n"
+    "         tetrahedra their boundary\n"
+    "output:  .obj .ply .stl .off (surface), .vtu .msh .msh2 .mesh .inp .su2 .node .ele .neigh .face (tetrahedra,\n"
+    "         surface), .svg (picture), .html (page to look around in); any number of them\n"
+    "\n",
+    .writes = "vtu msh msh2 mesh inp su2 node ele neigh face obj ply stl off svg html",
+    .options = { wrap_options, input_options, look_options, build_options, output_options, text_options,
+                 common_options, NULL },
+    .run = run,
+};

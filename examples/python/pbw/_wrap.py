@@ -1,0 +1,127 @@
+"""Closed surfaces around any model: wrap, which calls pbw_wrap.h.
+
+In: the caller's arrays, converted and checked.  Out: a Wrap of arrays that Python owns.
+"""
+import ctypes
+
+import numpy as np
+
+from . import _errors
+from ._library import _PROGRESS, _Watch, _copied, _fit, _library, _pointers, _run
+from ._tets import _check_number, _checked, _plain
+
+_size, _double = ctypes.c_size_t, ctypes.c_double
+
+
+class _WrapInput(ctypes.Structure):
+    """pbw_wrap_input."""
+    _fields_ = [("points", ctypes.c_void_p), ("point_count", _size), ("triangles", ctypes.c_void_p),
+                ("triangle_count", _size), ("segments", ctypes.c_void_p), ("segment_count", _size),
+                ("singles", ctypes.c_void_p), ("single_count", _size)]
+
+
+class _WrapOptions(ctypes.Structure):
+    """pbw_wrap_options."""
+    _fields_ = [("alpha", _double), ("offset", _double), *_pointers("alpha_at alpha_user seeds"),
+                ("seed_count", _size), ("fast", ctypes.c_int), ("closing", ctypes.c_int), ("most", _double)]
+
+
+class _WrapResult(ctypes.Structure):
+    """pbw_wrap_result."""
+    _fields_ = [*((name, _size) for name in ("point_count", "vertex_count", "facet_count", "tet_count")),
+                *_pointers("points facets elements corners neighbors memory")]
+
+
+class _WrapReport(ctypes.Structure):
+    """pbw_wrap_report."""
+    _fields_ = [("refusal", ctypes.c_int), *((name, _double) for name in ("alpha", "offset", "volume", "area")),
+                ("open_edges", _size), ("shell", ctypes.c_int), ("closing", _double),
+                *((name, _size) for name in ("components", "unused_seeds", "crossings", "projections", "carved",
+                                             "repairs", "dropped", "rounds")),
+                ("seconds", _double * 3)]
+
+
+_fit(_library, 17, _WrapInput, _WrapOptions, _WrapResult, _WrapReport)
+_ALPHA_AT = ctypes.CFUNCTYPE(_double, ctypes.c_void_p, ctypes.POINTER(_double))
+_REFUSALS = {1: "there is nothing to wrap", 2: "all points are at one place: alpha says how large the wrap shall be",
+             3: "the offset is below 1e-9 of the largest coordinate", 4: "more tetrahedra than most"}
+
+
+class Wrap:
+    """A closed, oriented surface, and the tetrahedra inside of it.
+
+    points (n, 3): first the vertices of the surface, then those inside; faces (k, 3), turned outward; elements: per
+    face the number of the nearest triangle, segment or point that was wrapped, numbered through in this order; tets
+    (m, 4), positive; neighbors (m, 4), -1 at the surface; vertex_count.
+    report: a dictionary; alpha and offset that were used, volume, area, shell: 1 if the wrap is a thin shell around
+    both sides of what is open, and then closing: an alpha that closes it, 0 if none was found.
+    """
+
+    def __init__(self, result, report):
+        self.points = _copied(result.points, (result.point_count, 3), np.float64)
+        self.vertex_count = result.vertex_count
+        self.faces = _copied(result.facets, (result.facet_count, 3), np.int32)
+        self.elements = _copied(result.elements, result.facet_count, np.int32)
+        self.tets = _copied(result.corners, (result.tet_count, 4), np.int32)
+        self.neighbors = _copied(result.neighbors, (result.tet_count, 4), np.int32)
+        self.report = _plain(report)
+
+    def __repr__(self):
+        return "<pbw.Wrap: %d faces, %d vertices, %d tetrahedra, volume %.6g>" % (
+            len(self.faces), self.vertex_count, len(self.tets), self.report["volume"])
+
+
+def wrap(points, triangles=None, segments=None, singles=None, alpha=0, offset=0, seeds=None, fast=False,
+         closing=False, most=50e6):
+    """Wraps triangles (m, 3), segments (s, 2) and single points, all by rows of points (n, 3), in a closed surface
+    that touches none of them and encloses all; holes, crossings and gaps are fine.  Without any of the three, all
+    points are wrapped.
+
+    alpha: radius of balls that do not pass, so that holes and gaps below twice that are closed; 0 = 1/50 of the
+    diagonal; or a function of a point (x, y, z), below that.  offset: of the vertices from the model; 0 = alpha / 30.
+    seeds (c, 3): cavities with one of them are carved from inside, too.  fast=True: half the time, more faces.
+    closing=True: where the wrap is a shell around both sides of an open model, looks for an alpha that closes it.
+
+    Returns a Wrap.
+    """
+    points = _checked("points", points, 3, np.float64)
+    if triangles is None and segments is None and singles is None:
+        singles = np.arange(len(points))
+    rows = [_checked(name, np.empty((0, columns), int) if array is None else array, columns, np.uint32, len(points))
+            for name, array, columns in (("triangles", triangles, 3), ("segments", segments, 2),
+                                         ("singles", None if singles is None else np.reshape(singles, (-1, 1)), 1))]
+    given = _WrapInput(points.ctypes.data, len(points), *(part for array in rows
+                                                           for part in (array.ctypes.data, len(array))))
+    for name, value in (("alpha", alpha), ("offset", offset)):
+        if not callable(value):
+            _check_number(name, value, 0, np.finfo(float).max)
+    _check_number("most", most, 1, np.finfo(float).max)
+    how = _WrapOptions(0 if callable(alpha) else alpha, offset)
+    how.fast, how.closing, how.most = fast, closing, most
+    if seeds is not None:
+        seeds = _checked("seeds", seeds, 3, np.float64)
+        how.seeds, how.seed_count = seeds.ctypes.data, len(seeds)
+    thrown, status = [], []
+    if callable(alpha):
+        def at(user, point):
+            try:
+                return float(alpha((point[0], point[1], point[2])))
+            except BaseException as e:
+                thrown.append(e)
+                return np.inf
+        keep = _ALPHA_AT(at)
+        how.alpha_at = ctypes.cast(keep, ctypes.c_void_p)
+    result, report, stop = _WrapResult(), _WrapReport(), ctypes.c_int()
+    watch = _Watch(ctypes.pointer(stop), _PROGRESS())
+    _run(lambda: status.append(_library.pbw_python_wrap(ctypes.byref(given), ctypes.byref(how), ctypes.byref(watch),
+                                                        ctypes.byref(result), ctypes.byref(report))), stop)
+    try:
+        if thrown:
+            raise thrown[0]
+        if report.refusal:
+            raise _errors.Error(_REFUSALS[report.refusal])
+        if status[0]:
+            raise _errors.from_status(status[0], _library.pbw_status_string(status[0]).decode(), points, None)
+        return Wrap(result, report)
+    finally:
+        _library.pbw_wrap_free(ctypes.byref(result))

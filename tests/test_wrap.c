@@ -1,0 +1,453 @@
+/* test_wrap.c: wraps are closed, oriented manifolds that strictly enclose what they wrap, by an exact check of
+   wraps.h: soups, flat and repeated elements, points and segments; cavities, alpha by place, shells and the alpha
+   that closes them; refusals; the same bytes for every number of threads; sound after every failure. */
+#define PBW_SURFACE_IMPLEMENTATION
+#include "pbw_surface.h"
+#define PBW_WRAP_IMPLEMENTATION
+#include "pbw_wrap.h"
+#include "meter.h"
+#include "test.h"
+#include "watch.h"
+#include "wraps.h"
+
+/* Checks a wrap; returns its number of facets. */
+static size_t check_wrap(const char *name, const pbw_wrap_input *in, const pbw_wrap_options *how)
+{
+    pbw_wrap_result w;
+    pbw_wrap_report r;
+    const pbw_status status = pbw_wrap(in, how, NULL, &w, &r);
+    const char *fault = status == PBW_OK ? wraps_fault(in, &w, 20) : pbw_status_string(status);
+    const size_t facets = w.facet_count;
+    if (!CHECK(fault == NULL)) {
+        test_say("%s: %s", name, fault);
+    }
+    CHECK_EQUAL(r.refusal, PBW_WRAP_DONE);
+    pbw_wrap_free(&w);
+    pbw_wrap_free(&w);
+    return facets;
+}
+
+static void wrap_soups(void)
+{
+    static wraps_soup s;
+    long i;
+    for (i = 0; i < test_count; i++) {
+        char name[40];
+        snprintf(name, sizeof name, "soup %llu", (unsigned long long)test_seed + (unsigned long long)i);
+        wraps_make(&s, test_seed + (uint64_t)i);
+        check_wrap(name, &s.in, &s.how);
+    }
+}
+
+/* ---- elements that are hardly there ---- */
+
+static void wrap_degenerate(void)
+{
+    static const double x[] = { 0, 0, 0,  1, 0, 0,  0, 1, 0,  0.5, 0.5, 0,  0, 0, 0,  2, 0, 0 };
+    static const pbw_index point[] = { 0 }, twice[] = { 1, 1, 0, 4 }, segment[] = { 0, 1 }, still[] = { 0, 4 };
+    static const pbw_index one[] = { 0, 1, 2 }, flat[] = { 0, 1, 5, 1, 5, 0, 5, 0, 1 }, dot[] = { 0, 4, 0 };
+    static const pbw_index folded[] = { 0, 0, 1, 1, 0, 1, 1, 1, 0 }, plane[] = { 0, 1, 3, 0, 3, 2, 1, 5, 3, 0, 1, 3 };
+    static const struct { const char *name; const pbw_index *ids; size_t triangles, segments, singles; } cases[] = {
+        { "one point", point, 0, 0, 1 }, { "points at one place", twice, 0, 0, 4 }, { "a segment", segment, 0, 1, 0 },
+        { "a segment of one place", still, 0, 1, 0 }, { "a triangle", one, 1, 0, 0 },
+        { "flat triangles", flat, 3, 0, 0 },
+        { "a triangle of one place", dot, 1, 0, 0 }, { "triangles with a corner twice", folded, 3, 0, 0 },
+        { "all in one plane", plane, 4, 0, 0 }
+    };
+    size_t i, k;
+    for (i = 0; i < sizeof cases / sizeof *cases; i++) {
+        for (k = 0; k < 3; k++) {
+            pbw_wrap_input in;
+            pbw_wrap_options how;
+            memset(&in, 0, sizeof in);
+            memset(&how, 0, sizeof how);
+            how.alpha = k == 0 ? 0.1 : k == 1 ? 3 : 0.3;
+            how.offset = k == 2 ? 0.3 : 0;
+            in.points = x;
+            in.point_count = sizeof x / sizeof *x / 3;
+            in.triangles = in.segments = in.singles = cases[i].ids;
+            in.triangle_count = cases[i].triangles;
+            in.segment_count = cases[i].segments;
+            in.single_count = cases[i].singles;
+            check_wrap(cases[i].name, &in, &how);
+        }
+    }
+}
+
+/* ---- shapes ---- */
+
+enum { SIDE = 16 };
+
+typedef struct shape {
+    double x[(SIDE + 1) * 2 * SIDE * 2][3];
+    pbw_index t[SIDE * 2 * SIDE * 2 * 2][3];
+    size_t points, triangles;
+    pbw_wrap_input in;
+} shape;
+
+/* Adds a sphere around the origin, from the pole down to a part of its height: 1 = closed. */
+static void add_sphere(shape *s, double radius, double part)
+{
+    const size_t first = s->points;
+    size_t i, k;
+    for (i = 0; i <= SIDE; i++) {
+        for (k = 0; k < 2 * SIDE; k++) {
+            const double u = 3.14159265358979 * part * (double)i / SIDE, v = 3.14159265358979 * (double)k / SIDE;
+            double *x = s->x[s->points++];
+            const pbw_index a = (pbw_index)(first + i * 2 * SIDE + k);
+            const pbw_index b = (pbw_index)(first + i * 2 * SIDE + (k + 1) % (2 * SIDE)), down = 2 * SIDE;
+            const double away = i == 0 || (i == SIDE && part >= 1) ? 0 : radius * sin(u);
+            x[0] = away * cos(v);
+            x[1] = away * sin(v);
+            x[2] = radius * cos(u);
+            if (i < SIDE) {
+                pbw_index *t = s->t[s->triangles];
+                t[0] = a, t[1] = a + down, t[2] = b;
+                t[3] = b, t[4] = a + down, t[5] = b + down;
+                s->triangles += 2;
+            }
+        }
+    }
+    s->in.points = s->x[0];
+    s->in.point_count = s->points;
+    s->in.triangles = s->t[0];
+    s->in.triangle_count = s->triangles;
+}
+
+static pbw_wrap_report report_of(const shape *s, const pbw_wrap_options *how)
+{
+    pbw_wrap_report r;
+    pbw_wrap_result w;
+    CHECK_EQUAL(pbw_wrap(&s->in, how, NULL, &w, &r), PBW_OK);
+    CHECK(wraps_fault(&s->in, &w, 20) == NULL);
+    pbw_wrap_free(&w);
+    return r;
+}
+
+/* A ball with a cavity: its inside is carved only from a seed. */
+static void wrap_cavity(void)
+{
+    static shape s;
+    static const double seeds[] = { 0, 0, 0, 0, 0, 0.55, 9, 9, 9 };
+    const double ball = 4.18879;
+    pbw_wrap_options how;
+    pbw_wrap_report r;
+    memset(&s, 0, sizeof s);
+    memset(&how, 0, sizeof how);
+    add_sphere(&s, 1, 1);
+    add_sphere(&s, 0.6, 1);
+    how.alpha = 0.15;
+    how.offset = 0.01;
+    r = report_of(&s, &how);
+    CHECK(r.volume > ball && r.volume < 1.1 * ball && r.components == 1);
+    how.seeds = seeds;
+    how.seed_count = 3;
+    r = report_of(&s, &how);
+    CHECK(r.volume < 0.9 * ball && r.volume > (1 - 0.216) * ball && r.components == 2);
+    CHECK_EQUAL(r.unused_seeds, 2);
+}
+
+/* A cup: a shell, until alpha is above the radius of its opening. */
+static void wrap_shell(void)
+{
+    static shape s;
+    pbw_wrap_options how;
+    pbw_wrap_report r;
+    memset(&s, 0, sizeof s);
+    memset(&how, 0, sizeof how);
+    add_sphere(&s, 1, 0.8);
+    how.alpha = 0.1;
+    how.closing = 1;
+    r = report_of(&s, &how);
+    CHECK(r.shell && r.open_edges == 2 * SIDE && r.volume < 1);
+    CHECK(r.closing > 0.3 && r.closing < 0.9);
+    how.alpha = r.closing;
+    r = report_of(&s, &how);
+    CHECK(!r.shell && r.volume > 4);
+    memset(&s, 0, sizeof s);
+    add_sphere(&s, 1, 1);
+    how.alpha = 0.1;
+    r = report_of(&s, &how);
+    CHECK(!r.shell && r.open_edges == 0 && !(r.closing > 0));
+}
+
+static double finer_above(void *user, const double p[3])
+{
+    ++*(long *)user;
+    return p[2] > 0 ? 0.1 : 1;
+}
+
+static void wrap_by_place(void)
+{
+    static shape s;
+    pbw_wrap_options how;
+    pbw_wrap_result w;
+    long calls = 0;
+    size_t f, above = 0;
+    memset(&s, 0, sizeof s);
+    memset(&how, 0, sizeof how);
+    add_sphere(&s, 1, 1);
+    how.alpha = 0.3;
+    how.offset = 0.01;
+    how.alpha_at = finer_above;
+    how.alpha_user = &calls;
+    CHECK_EQUAL(pbw_wrap(&s.in, &how, NULL, &w, NULL), PBW_OK);
+    CHECK(wraps_fault(&s.in, &w, 20) == NULL);
+    for (f = 0; f < w.facet_count; f++) {
+        above += w.points[3 * (size_t)w.facets[3 * f] + 2] > 0;
+    }
+    if (!CHECK(above > 2 * (w.facet_count - above) && calls > 100)) {
+        test_say("%lu of %lu facets, %ld calls", (unsigned long)above, (unsigned long)w.facet_count, calls);
+    }
+    pbw_wrap_free(&w);
+}
+
+/* Facets have the nearest elements, by trying all; distances are those of vertices at the offset. */
+static void find_elements(void)
+{
+    static wraps_soup s;
+    pbw_wrap_result w;
+    pbw_wrap_report r;
+    double distance[2], p[3], q[3];
+    size_t f, e, k;
+    wraps_make(&s, 7);
+    CHECK_EQUAL(pbw_wrap(&s.in, &s.how, NULL, &w, &r), PBW_OK);
+    for (f = 0; f < w.facet_count; f++) {
+        double best = HUGE_VAL, own = HUGE_VAL;
+        for (k = 0; k < 3; k++) {
+            p[k] = (w.points[3 * (size_t)w.facets[3 * f] + k] + w.points[3 * (size_t)w.facets[3 * f + 1] + k]
+                    + w.points[3 * (size_t)w.facets[3 * f + 2] + k]) / 3;
+        }
+        for (e = 0; e < wraps_elements(&s.in); e++) {
+            const double *c[3];
+            double d;
+            wraps_element(&s.in, e, c);
+            pbwsf__nearest_in(c[0], c[1], c[2], p, q);
+            d = sqrt((p[0] - q[0]) * (p[0] - q[0]) + (p[1] - q[1]) * (p[1] - q[1]) + (p[2] - q[2]) * (p[2] - q[2]));
+            best = fmin(best, d);
+            own = e == w.elements[f] ? d : own;
+        }
+        CHECK(own <= best * (1 + 1e-9));
+    }
+    CHECK_EQUAL(pbw_wrap_distance(&s.in, w.points, w.point_count, w.facets, w.facet_count, NULL, distance), PBW_OK);
+    CHECK(distance[0] >= r.offset * 0.999 && distance[0] < r.offset + 3 * r.alpha);
+    CHECK(distance[1] > 0 && distance[1] < r.offset + 3 * r.alpha);
+    pbw_wrap_free(&w);
+}
+
+/* ---- refusals ---- */
+
+static void check_refusal(const double *x, size_t points, double alpha, double offset, pbw_status status, int refusal)
+{
+    static const pbw_index ids[] = { 0, 1, 2 };
+    pbw_wrap_input in;
+    pbw_wrap_options how;
+    pbw_wrap_result w;
+    pbw_wrap_report r;
+    memset(&in, 0, sizeof in);
+    memset(&how, 0, sizeof how);
+    in.points = x;
+    in.point_count = points;
+    in.triangles = ids;
+    in.triangle_count = points > 0;
+    how.alpha = alpha;
+    how.offset = offset;
+    CHECK_EQUAL(pbw_wrap(&in, &how, NULL, &w, &r), status);
+    CHECK_EQUAL(r.refusal, refusal);
+    CHECK(w.memory == NULL && w.facet_count == 0);
+}
+
+static void refuse(void)
+{
+    static const double here[9] = { 1, 1, 1, 1, 1, 1, 1, 1, 1 };
+    static const double far[9] = { 1e12, 0, 0, 1e12, 1, 0, 1e12, 0, 1 };
+    static const double wide[9] = { 0, 0, 0, 1e200, 0, 0, 0, 1e200, 0 };
+    double x[9] = { 0, 0, 0, 1, 0, 0, 0, 1, 0 };
+    pbw_wrap_input in;
+    pbw_wrap_options how;
+    pbw_wrap_result w;
+    pbw_wrap_report r;
+    check_refusal(x, 0, 0, 0, PBW_DEGENERATE, PBW_WRAP_EMPTY);
+    check_refusal(here, 3, 0, 0, PBW_DEGENERATE, PBW_WRAP_NO_SIZE);
+    check_refusal(far, 3, 0, 0, PBW_ERROR_ARGUMENT, PBW_WRAP_NEAR);
+    check_refusal(x, 3, 0.1, 1e-10, PBW_ERROR_ARGUMENT, PBW_WRAP_NEAR);
+    check_refusal(wide, 3, 0, 0, PBW_ERROR_ARGUMENT, PBW_WRAP_DONE);
+    check_refusal(x, 2, 0.1, 0, PBW_ERROR_ARGUMENT, PBW_WRAP_DONE);
+    check_refusal(x, 3, -1, 0, PBW_ERROR_ARGUMENT, PBW_WRAP_DONE);
+    check_refusal(x, 3, 0.1, (double)NAN, PBW_ERROR_ARGUMENT, PBW_WRAP_DONE);
+    x[4] = (double)NAN;
+    check_refusal(x, 3, 0.1, 0, PBW_ERROR_NOT_FINITE, PBW_WRAP_DONE);
+    x[4] = HUGE_VAL;
+    check_refusal(x, 3, 0.1, 0, PBW_ERROR_NOT_FINITE, PBW_WRAP_DONE);
+    memset(&in, 0, sizeof in);
+    memset(&how, 0, sizeof how);
+    in.singles = (const pbw_index *)x;                   /* all zero bytes */
+    x[4] = x[0] = 0;
+    in.points = here;
+    in.point_count = 3;
+    in.single_count = 1;
+    how.alpha = 1;
+    how.most = 10;
+    how.offset = 1e-2;
+    CHECK_EQUAL(pbw_wrap(&in, &how, NULL, &w, &r), PBW_ERROR_TOO_LARGE);
+    CHECK_EQUAL(r.refusal, PBW_WRAP_LARGE);
+    CHECK_EQUAL(pbw_wrap(NULL, &how, NULL, &w, NULL), PBW_ERROR_ARGUMENT);
+    CHECK_EQUAL(pbw_wrap(&in, &how, NULL, NULL, NULL), PBW_ERROR_ARGUMENT);
+}
+
+/* ---- threads, memory, cancelling ---- */
+
+static uint64_t hash_of(uint64_t hash, const void *at, size_t bytes)
+{
+    size_t i;
+    for (i = 0; i < bytes; i++) {
+        hash = (hash ^ ((const unsigned char *)at)[i]) * UINT64_C(0x100000001b3);
+    }
+    return hash;
+}
+
+static uint64_t hash_wrap(const pbw_wrap_input *in, const pbw_wrap_options *how, const pbw_options *options)
+{
+    pbw_wrap_result w;
+    uint64_t hash = 1;
+    CHECK_EQUAL(pbw_wrap(in, how, options, &w, NULL), PBW_OK);
+    hash = hash_of(hash, w.points, 24 * w.point_count);
+    hash = hash_of(hash, w.facets, 12 * w.facet_count);
+    hash = hash_of(hash, w.elements, 4 * w.facet_count);
+    hash = hash_of(hash, w.corners, 16 * w.tet_count);
+    hash = hash_of(hash, w.neighbors, 16 * w.tet_count);
+    pbw_wrap_free(&w);
+    return hash;
+}
+
+static void run_threads(void)
+{
+    static shape s;
+    static const int threads[] = { 2, 3, 8 };
+    pbw_wrap_options how;
+    pbw_options options;
+    uint64_t hash;
+    size_t i;
+    memset(&s, 0, sizeof s);
+    memset(&how, 0, sizeof how);
+    memset(&options, 0, sizeof options);
+    add_sphere(&s, 1, 0.7);
+    how.alpha = 0.2;
+    options.threads = 1;
+    hash = hash_wrap(&s.in, &how, &options);
+    for (i = 0; i < 3; i++) {
+        options.threads = threads[i];
+        CHECK(hash_wrap(&s.in, &how, &options) == hash);
+    }
+}
+
+static void fail_everywhere(void)
+{
+    static wraps_soup s;
+    pbw_wrap_result w;
+    pbw_options options;
+    meter m;
+    watch eye;
+    double distance[2];
+    long requests, i, calls;
+    size_t peak;
+    memset(&options, 0, sizeof options);
+    wraps_make(&s, 7);
+    options.threads = 1;
+    options.resize = meter_resize;
+    options.resize_user = &m;
+    options.progress = watch_progress;
+    options.progress_user = &eye;
+    meter_start(&m, 0, 0);
+    watch_start(&eye, 0);
+    CHECK_EQUAL(pbw_wrap(&s.in, &s.how, &options, &w, NULL), PBW_OK);
+    CHECK_EQUAL(eye.wrong, 0);
+    CHECK(eye.done >= 1 && w.facet_count > 50);
+    requests = m.requests;
+    peak = m.peak;
+    calls = eye.calls;
+    watch_start(&eye, 0);
+    CHECK_EQUAL(pbw_wrap_distance(&s.in, w.points, w.point_count, w.facets, w.facet_count, &options, distance),
+                PBW_OK);
+    pbw_wrap_free(&w);
+    CHECK_EQUAL(m.blocks, 0);
+    for (i = 1; i <= requests; i++) {
+        meter_start(&m, i, i % 2 == 0);
+        watch_start(&eye, 0);
+        CHECK_EQUAL(pbw_wrap(&s.in, &s.how, &options, &w, NULL), PBW_ERROR_MEMORY);
+        CHECK(w.memory == NULL && m.blocks == 0 && m.faults == 0);
+    }
+    for (i = 1; i <= 16; i++) {
+        meter_start(&m, 0, 0);
+        watch_start(&eye, 0);
+        options.memory_limit = peak * (size_t)i / 16;
+        CHECK_EQUAL(pbw_wrap(&s.in, &s.how, &options, &w, NULL), i < 16 ? PBW_ERROR_MEMORY : PBW_OK);
+        CHECK(m.peak <= options.memory_limit);
+        pbw_wrap_free(&w);
+        CHECK(m.blocks == 0 && m.faults == 0);
+    }
+    options.memory_limit = 0;
+    for (i = 1; i <= calls; i += 1 + calls / 40) {
+        meter_start(&m, 0, 0);
+        watch_start(&eye, i);
+        CHECK_EQUAL(pbw_wrap(&s.in, &s.how, &options, &w, NULL), PBW_CANCELLED);
+        CHECK(eye.calls == i && m.blocks == 0);
+    }
+}
+
+/* The check of this file sees faults. */
+static void see_faults(void)
+{
+    static shape s;
+    pbw_wrap_options how;
+    pbw_wrap_result w, other;
+    pbw_index *facets, swapped;
+    double *points;
+    memset(&s, 0, sizeof s);
+    memset(&how, 0, sizeof how);
+    add_sphere(&s, 1, 1);
+    how.alpha = 0.3;
+    CHECK_EQUAL(pbw_wrap(&s.in, &how, NULL, &w, NULL), PBW_OK);
+    facets = (pbw_index *)malloc(12 * w.facet_count);
+    points = (double *)malloc(24 * w.point_count);
+    if (CHECK(facets != NULL && points != NULL)) {
+        memcpy(facets, w.facets, 12 * w.facet_count);
+        memcpy(points, w.points, 24 * w.point_count);
+        other = w;
+        other.facets = facets;
+        other.points = points;
+        CHECK(wraps_fault(&s.in, &other, 20) == NULL);
+        swapped = facets[0];                             /* a facet turned inward */
+        facets[0] = facets[1];
+        facets[1] = swapped;
+        CHECK(wraps_fault(&s.in, &other, 20) != NULL);
+        memcpy(facets, w.facets, 12 * w.facet_count);
+        other.facet_count--;                             /* a hole */
+        CHECK(!wraps_is_manifold(&other));
+        other.facet_count++;
+        memcpy(points, s.x[5 * 2 * SIDE], sizeof s.x[0]);                /* a vertex on the sphere */
+        CHECK(wraps_fault(&s.in, &other, 20) != NULL);
+    }
+    free(facets);
+    free(points);
+    pbw_wrap_free(&w);
+}
+
+int main(int argc, char **argv)
+{
+    static const struct { const char *name; void (*run)(void); } tests[] = {
+        { "soups", wrap_soups }, { "elements without area", wrap_degenerate }, { "a cavity", wrap_cavity },
+        { "a shell", wrap_shell }, { "alpha by place", wrap_by_place }, { "nearest elements", find_elements },
+        { "refusals", refuse }, { "threads", run_threads }, { "memory and cancelling", fail_everywhere },
+        { "faults are seen", see_faults }
+    };
+    size_t i;
+    test_start(argc, argv, 40);
+    for (i = 0; i < sizeof tests / sizeof *tests; i++) {
+        if (test_begin("%s", tests[i].name)) {
+            tests[i].run();
+            test_end();
+        }
+    }
+    return test_finish();
+}
