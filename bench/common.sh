@@ -35,8 +35,10 @@ failure() { # failure CODE: why there is nothing, by the exit status and the wor
     elif [ "$1" -gt 128 ]; then
         echo "crashed: signal $(($1 - 128))"
     else
-        words=$(grep -i -E 'error|intersect|fail|invalid|could not|unable|cannot|pbw: ' "$work/report" | tail -n 1 |
-            sed 's/\x1b\[[0-9;]*m//g; s/^ *//; s/^\(Error\|Warning\) *: *//; s/^pbw: //; s/^.*[.]off: //' | cut -c 1-100)
+        words=$(sed -n 's/^pbw: //p' "$work/report" | grep -v '^warning' | tail -n 1 | sed 's/^.*[.]off: //')
+        [ -n "$words" ] || words=$(sed 's/^ *//; s/^\(Error\|Warning\) *: *//' "$work/report" |
+            grep -i -E 'error|intersect|fail|invalid|could not|unable|cannot|no elements' |
+            grep -v -E 'summary|[0-9] error|full log' | head -n 1 | cut -c 1-100)
         echo "refused: ${words:-no mesh}"
     fi
 }

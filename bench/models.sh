@@ -8,7 +8,7 @@
 #             has no sharp edges), dihedral angles of at least 20 degrees, or 9/10 of an acute edge's
 #   made      tetrahedra of a rival, which are not judged: its least angle is in the table
 #   refused   the program's message follows
-# Gmsh: surfaces classified by 40 degrees and meshed again, -optimize.  TetGen: -pq1.4/15 with the volume of a regular
+# Gmsh: surfaces classified by 40 degrees and meshed again.  TetGen: -pq1.4/15 with the volume of a regular
 # tetrahedron; it keeps the facets.  Their seconds have reading and writing in them.
 model=
 if [ "$1" = --one ]; then       # models.sh --one PROGRAM MODEL: its rows, at once
@@ -83,7 +83,7 @@ one() {
         printf '%s\n' 'Merge "in.stl";' 'ClassifySurfaces{40*Pi/180, 1, 1, Pi};' 'CreateGeometry;' \
             'Surface Loop(1) = Surface{:};' 'Volume(1) = {1};' "Mesh.MeshSizeMin = $size;" "Mesh.MeshSizeMax = $size;" \
             > "$work/in.geo"
-        rival Gmsh out.msh gmsh in.geo -3 -optimize -nt 1 -v 2 -o out.msh
+        rival Gmsh out.msh gmsh in.geo -3 -nt 1 -v 2 -o out.msh
     fi
     if command -v tetgen > /dev/null; then
         rival TetGen in.1.ele tetgen "-pq1.4/15a$(awk -v h="$size" 'BEGIN { printf "%.9g", 0.11785113 * h ^ 3 }')" in.off
