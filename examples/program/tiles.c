@@ -1008,7 +1008,7 @@ static int on_tile(void *user, pbw_stage stage, double done)
     }
     enter(c);
     stop = c->stop || interrupted;
-    if (!stop) {                                     /* nothing is drawn behind the words that a worker stopped with */
+    if (!stop) {                                     /* nothing is drawn behind the words of a worker that stopped */
         begin(c->w->j, "tiles", "several at a time");
     }
     leave(c);

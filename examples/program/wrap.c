@@ -52,8 +52,8 @@ static int list_points(const job *j, elements *e)
     e->in.singles = e->singles;
     e->in.single_count = wanted ? left : 0;
     if (!wanted && left > 0) {
-        warn(j, "%s: %zu point%s of no face or segment %s left out; --all-points wraps %s, too", j->input, COUNT(left),
-             left == 1 ? "is" : "are", left == 1 ? "it" : "them");
+        warn(j, "%s: %zu point%s of no face or segment %s left out; --all-points wraps %s, too", j->input,
+             COUNT(left), left == 1 ? "is" : "are", left == 1 ? "it" : "them");
     }
     return 0;
 }
