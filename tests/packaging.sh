@@ -207,7 +207,7 @@ rooms="pbw.h examples/lib/pbw_query.h examples/lib/pbw_live.h pbw_cuda.cu"
 rooms_of_companions="examples/lib/pbw_film.h examples/lib/pbw_generate.h examples/lib/pbw_io.h examples/lib/pbw_model.h
     examples/lib/pbw_picture.h examples/lib/pbw_sample.h examples/lib/pbw_view.h
     examples/lib/pbw_adapt3.h examples/lib/pbw_improve.h examples/lib/pbw_mesh3.h examples/lib/pbw_stuffing.h
-    examples/lib/pbw_wrap.h
+    examples/lib/pbw_fill.h examples/lib/pbw_wrap.h
     examples/lib/pbw_cells.h examples/lib/pbw_mesh2.h examples/lib/pbw_adapt2.h
     examples/lib/pbw_surface.h examples/lib/pbw_mpi.h examples/lib/pbw_tilefile.h examples/lib/pbw_tiles.h"
 cat > "$work/rooms.awk" << 'END'
@@ -375,7 +375,7 @@ for header in examples/lib/*.h; do
     pbw_cells.h) given='static const double *points; static size_t count;' ;;
     pbw_film.h) given='static int next(void *u, pbwfilm_frame *frame) { return u != frame; } static void *user;' ;;
     pbw_improve.h) given="$numbers static const pbw_index *corners;" ;;
-    pbw_mesh3.h | pbw_sample.h | pbw_wrap.h) given=$numbers ;;
+    pbw_fill.h | pbw_mesh3.h | pbw_sample.h | pbw_wrap.h) given=$numbers ;;
     pbw_picture.h | pbw_view.h) given='static pbw_mesh mesh; static pbwio_error error;' ;;
     pbw_stuffing.h) given='static double function(const double p[3]) { return 1 - p[0] * p[0]; }' ;;
     pbw_surface.h) given="$numbers static size_t point_count, triangle_count; static double p[3];" ;;

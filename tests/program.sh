@@ -392,6 +392,19 @@ check "improve --smooth --rounds" says 0 "before that, 2 rounds of smoothing" im
 check "improve --only-smooth" says 0 "; 0 passes" improve low.msh --smooth lloyd --only-smooth
 check "improve --quality" says 0 "gamma            least" improve low.msh --quality
 
+# Fill: the surface's own triangles; what is refused says where.
+check "fill" says 0 "6 tetrahedra in 1 region, 8 points, 12 facets on the surface" fill cube.obj
+check "fill --split-flat" says 0 "14 points, 24 facets on the surface" fill cube.obj --split-flat
+check "fill: a cavity" says 0 " in 1 region, 16 points" fill both.obj
+check "fill --nested" says 0 " in 2 regions, 16 points" fill both.obj --nested
+check "fill --outside" says 0 " in 3 regions, 24 points" fill both.obj --outside
+sed '$d' cube.obj > lidless.obj
+check "fill: open" says 1 "the surface is open: a triangle bounds no region; --outside keeps" fill lidless.obj
+sed '1s/.*/v 0.5 0.5 3/' cube.obj > crossed.obj
+check "fill: faces that cross" says 1 "pbw check lists all places" fill crossed.obj
+check "fill --faces" sh -c '"$1" fill cube.obj --faces -o filled.msh2 --quiet &&
+    [ "$(awk "NF == 8 && \$2 == 2 { print \$4 }" filled.msh2 | sort -u | wc -l)" = 12 ]' sh "$pbw"
+
 # Sizes, limits, measures and views of solids and of tetrahedra are what they are elsewhere.
 edges() {   # edges NAME: the mean length of edges of tetrahedra left and right of x = 0.5, in the corners of NAME.ele
     awk 'FNR == 1 { next }
@@ -810,7 +823,7 @@ tells_formats() {   # tells_formats COMMAND: but for texts; live has those of me
     done
     grep "; pbw $1 writes [a-z]" said
 }
-for command in mesh sample check convert bench view locate nearest cells plane improve solid wrap tiles hash live; do
+for command in mesh sample check convert bench view locate nearest cells plane improve solid fill wrap tiles hash live; do
     "$pbw" help $command > help.txt
     sed -n '/^examples:/,$s/^  pbw //p' help.txt > shown.txt
     check "the help of $command has the formats that it writes" tells_formats $command

@@ -1464,6 +1464,26 @@ def faults_of_surfaces():
 
 
 @test
+def fill_keeps_faces():
+    cube = np.array(list(itertools.product((0.0, 1.0), repeat=3)))
+    hull = pbw.Delaunay(cube).convex_hull
+    two = np.vstack([cube, cube + [1, 0, 0]])
+    made = pbw.fill(two, np.vstack([hull, hull + 8]), split_flat=True, seeds=[[.5, .5, .25], [1.5, .5, .25]],
+                    seed_regions=[5, 2])
+    check(made.report["doubles"] in (0, 2) and set(made.regions) == {2, 5}, made.report)
+    for region in 2, 5:
+        check(abs(volumes(made)[made.regions == region].sum() - 1) < 1e-12)
+    check(set(map(tuple, np.sort(made.sides[made.sides[:, 1] >= 0], axis=1).tolist())) == {(2, 5)})
+    names = np.where(cube[hull].mean(axis=1)[:, 0] == 0, "inlet", "wall")
+    made = pbw.fill(cube, hull, numbers=names)
+    found = areas(made, "inlet")
+    check(abs(found.sum(axis=0) - [-1, 0, 0]).max() < 1e-12, found)
+    check("open" in str(raises(pbw.Error, pbw.fill, cube, hull[:-1])))
+    check("cross" in str(raises(pbw.Error, pbw.fill, np.vstack([cube, cube + 0.5]), np.vstack([hull, hull + 8]))))
+    raises(ValueError, pbw.fill, cube, hull, seeds=[[.5, .5, .5]], seed_regions=[1, 2])
+
+
+@test
 def names_go_through_solid_and_improve():
     cube = np.array(list(itertools.product((0.0, 1.0), repeat=3)))
     hull = pbw.Delaunay(cube).convex_hull

@@ -15,6 +15,7 @@
 #include "pbw_adapt2.h"
 #include "pbw_adapt3.h"
 #include "pbw_cells.h"
+#include "pbw_fill.h"
 #include "pbw_improve.h"
 #include "pbw_io.h"
 #include "pbw_live.h"
@@ -35,7 +36,7 @@
 #include <string.h>
 
 #define COMMANDS(X) X(mesh) X(sample) X(check) X(convert) X(bench) X(view) X(locate) X(nearest) X(cells) X(plane) \
-    X(improve) X(solid) X(wrap) X(tiles) X(hash) X(live)
+    X(improve) X(solid) X(fill) X(wrap) X(tiles) X(hash) X(live)
 
 #if defined(__GNUC__)
 #define PRINTF(a, b) __attribute__((format(printf, a, b)))

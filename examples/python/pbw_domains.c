@@ -60,6 +60,13 @@ int pbw_python_crossings(const double *points, size_t point_count, const pbw_ind
     return (int)pbw_surface_crossings(points, point_count, triangles, triangle_count, &options, faults);
 }
 
+int pbw_python_fill(const pbw_fill_input *input, const pbw_fill_options *how, const watch *w, pbw_filled *filled,
+                    pbw_fill_report *report)
+{
+    const pbw_options options = watched(w);
+    return (int)pbw_fill(input, how, &options, filled, report);
+}
+
 int pbw_python_wrap(const pbw_wrap_input *input, const pbw_wrap_options *how, const watch *w, pbw_wrap_result *wrap,
                     pbw_wrap_report *report)
 {

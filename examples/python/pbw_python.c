@@ -11,6 +11,7 @@
 #define PBW_SURFACE_IMPLEMENTATION
 #define PBW_IMPROVE_IMPLEMENTATION
 #define PBW_MESH3_IMPLEMENTATION
+#define PBW_FILL_IMPLEMENTATION
 #define PBW_WRAP_IMPLEMENTATION
 #include "pbw_python.h"
 
@@ -23,7 +24,8 @@ size_t pbw_python_size(int structure)
         sizeof(watch), sizeof(pbw_changes), sizeof(pbw_plane), sizeof(pbw_tets), sizeof(pbw_quality),
         sizeof(pbw_improve_options), sizeof(pbw_improve_report), sizeof(pbw_solid_input), sizeof(pbw_solid_options),
         sizeof(pbw_solid_report), sizeof(pbw_solid_boundary), sizeof(pbw_surface_faults), sizeof(pbw_wrap_input),
-        sizeof(pbw_wrap_options), sizeof(pbw_wrap_result), sizeof(pbw_wrap_report)
+        sizeof(pbw_wrap_options), sizeof(pbw_wrap_result), sizeof(pbw_wrap_report),
+        sizeof(pbw_fill_input), sizeof(pbw_fill_options), sizeof(pbw_fill_report), sizeof(pbw_filled)
     };
     return structure >= 0 && (size_t)structure < sizeof size / sizeof *size ? size[structure] : 0;
 }

@@ -10,6 +10,7 @@
 #include "pbw_surface.h"
 #include "pbw_improve.h"
 #include "pbw_mesh3.h"
+#include "pbw_fill.h"
 #include "pbw_wrap.h"
 #include <stdlib.h>
 #include <string.h>
@@ -64,6 +65,8 @@ int pbw_python_solid(const pbw_solid_input *input, const pbw_solid_options *how,
                      pbw_solid_boundary *boundary, pbw_solid_report *report);
 int pbw_python_crossings(const double *points, size_t point_count, const pbw_index *triangles, size_t triangle_count,
                          int threads, const watch *w, pbw_surface_faults *faults);
+int pbw_python_fill(const pbw_fill_input *input, const pbw_fill_options *how, const watch *w, pbw_filled *filled,
+                    pbw_fill_report *report);
 int pbw_python_wrap(const pbw_wrap_input *input, const pbw_wrap_options *how, const watch *w, pbw_wrap_result *wrap,
                     pbw_wrap_report *report);
 

@@ -51,9 +51,9 @@ from ._library import version as __version__
 from ._live import Changes, Live
 from ._plane import polygon, triangulate
 from ._surface import SurfaceFaults, check_surface
-from ._tets import Tets, improve, solid
+from ._tets import Tets, fill, improve, solid
 from ._wrap import Wrap, wrap
 
 __all__ = ["Cells", "Changes", "Delaunay", "Error", "Live", "QhullError", "SurfaceFaults", "Tets", "Voronoi", "Wrap",
-           "check_surface", "improve", "interpolate", "lloyd", "polygon", "power_cells", "solid", "triangulate",
-           "tsearch", "wrap", "__version__"]
+           "check_surface", "fill", "improve", "interpolate", "lloyd", "polygon", "power_cells", "solid",
+           "triangulate", "tsearch", "wrap", "__version__"]

@@ -1,4 +1,4 @@
-"""Tetrahedral meshes: improve and solid, which call pbw_improve.h and pbw_mesh3.h.
+"""Tetrahedral meshes: improve, solid and fill, which call pbw_improve.h, pbw_mesh3.h and pbw_fill.h.
 
 In: the caller's arrays, converted and checked.  Out: a Tets of arrays that Python owns.
 """
@@ -87,8 +87,38 @@ class _SolidReport(ctypes.Structure):
                 ("seconds", _double * 4), ("improve", _ImproveReport)]
 
 
+class _FillInput(ctypes.Structure):
+    """pbw_fill_input."""
+    _fields_ = [("points", ctypes.c_void_p), ("point_count", _size), ("triangles", ctypes.c_void_p),
+                ("triangle_count", _size), *_pointers("numbers segments"), ("segment_count", _size),
+                *_pointers("seeds seed_regions"), ("seed_count", _size)]
+
+
+class _FillOptions(ctypes.Structure):
+    """pbw_fill_options."""
+    _fields_ = [*((name, ctypes.c_int) for name in ("split_flat", "nested", "outside")), ("most", _size),
+                *_pointers("stage")]
+
+
+class _FillReport(ctypes.Structure):
+    """pbw_fill_report."""
+    _fields_ = [("refusal", ctypes.c_int), ("fault_count", _size), ("faults", ctypes.c_uint32 * 2 * 8),
+                *((name, _size) for name in ("rounded", "doubles", "collapsed", "segments", "facets",
+                                             "missing_segments", "missing_facets", "segment_points", "regions",
+                                             "flat_tets")),
+                ("seconds", _double * 7)]
+
+
+class _Filled(ctypes.Structure):
+    """pbw_filled."""
+    _fields_ = [("tets", _Mesh), ("facet_count", _size),
+                *_pointers("facets facet_triangle facet_corners sides memory")]
+
+
 _fit(_library, 8, _Mesh, _Quality, _ImproveOptions, _ImproveReport, _SolidInput, _SolidOptions, _SolidReport,
      _Boundary)
+_fit(_library, 21, _FillInput, _FillOptions, _FillReport, _Filled)
+_library.pbw_fill_refusal.restype = ctypes.c_char_p
 
 
 class Tets:
@@ -115,6 +145,8 @@ class Tets:
         self.report = _plain(report)
 
     def __repr__(self):
+        if "refusal" in self.report and "improve" not in self.report:        # of fill
+            return "<pbw.Tets: %d tetrahedra, %d points>" % (len(self.tets), len(self.points))
         return "<pbw.Tets: %d tetrahedra, %d points, dihedral angles from %.4g to %.4g degrees>" % (
             len(self.tets), len(self.points), *(self.report.get("improve", self.report)["after"][k]
                                                 for k in ("least", "largest")))
@@ -194,10 +226,10 @@ def _take_facets(made, patches, patch_table, region_table):
     made.regions = region_table[there]
 
 
-def _made(call, report, finish=lambda made, mesh: None):
+def _made(call, report, finish=lambda made, mesh: None, mesh=None):
     """A status and the Tets that call(watch, mesh, report) makes, in a thread; None if it fails.  finish(Tets, mesh)
     takes what else the mesh has."""
-    mesh, stop, thrown = _Mesh(), ctypes.c_int(), []
+    mesh, stop, thrown = mesh or _Mesh(), ctypes.c_int(), []
     watch = _Watch(ctypes.pointer(stop), _PROGRESS())
     status = []
 
@@ -374,6 +406,60 @@ def solid(vertices, faces, size=0, target=30, feature_angle=40, rounds=16, patch
     if status == _errors.DEGENERATE:
         raise _errors.Error("nothing is inside of the surface: it is an open sheet, or mostly holes, which close=True "
                             "closes, or thinner than the size")
+    if status:
+        raise _errors.from_status(status, _library.pbw_status_string(status).decode(), vertices, None)
+    return made
+
+
+def fill(vertices, faces, numbers=None, segments=None, seeds=None, seed_regions=None, split_flat=False, nested=False,
+         outside=False, most=50000000):
+    """Tetrahedra that keep a surface's own triangles: vertices (n, 3), faces (m, 3), with holes or walls as you like.
+
+    Each flat part of the surface, with split_flat=True each face, is a union of facets; points are added on edges
+    where that is needed.  numbers: a whole number or a name a face; flat parts do not cross between two of them.
+    segments (s, 2): edges that belong to no face.  Vertices of no face are kept where they are inside.
+    seeds (k, 3): places in regions; seed_regions, their whole numbers, -1 = a hole.  Else what is inside of an odd
+    number of shells is kept, with nested=True all that is enclosed, and with outside=True a box around it, too.
+
+    Returns a Tets.  Its patches are the face that has each facet, or with numbers its number.
+    Raises pbw.Error with the reason where faces cross, have no area, or bound nothing.
+    """
+    vertices = _checked("vertices", vertices, 3, np.float64)
+    faces = _checked("faces", faces, 3, np.uint32, len(vertices))
+    given = _FillInput(vertices.ctypes.data, len(vertices), faces.ctypes.data, len(faces))
+    if numbers is not None:
+        table, numbers = _labels("numbers", numbers, len(faces))
+        given.numbers = numbers.ctypes.data
+    if segments is not None:
+        segments = _checked("segments", segments, 2, np.uint32, len(vertices))
+        given.segments, given.segment_count = segments.ctypes.data, len(segments)
+    if seeds is not None:
+        seeds = _checked("seeds", seeds, 3, np.float64)
+        given.seeds, given.seed_count = seeds.ctypes.data, len(seeds)
+    if seed_regions is not None:
+        seed_regions = np.ascontiguousarray(seed_regions, np.int32)
+        if seeds is None or seed_regions.shape != (len(seeds),):
+            raise ValueError("seed_regions must have one number a seed")
+        given.seed_regions = seed_regions.ctypes.data
+    _check_number("most", most, 1, 2**32)
+    how = _FillOptions(split_flat, nested, outside, int(most))
+    filled, report = _Filled(), _FillReport()
+
+    def finish(made, mesh):
+        made.facets = _copied(filled.facets, (filled.facet_count, 3), np.int32)
+        made.facet_triangle = _copied(filled.facet_triangle, filled.facet_count, np.int32)
+        made.patches = made.facet_triangle if numbers is None else table[numbers[made.facet_triangle]]
+        made.sides = _copied(filled.sides, (filled.facet_count, 2), np.int32)
+        made.edges = np.empty((0, 2), np.int32)
+
+    try:
+        status, made = _made(lambda watch, mesh, report: _library.pbw_python_fill(
+            ctypes.byref(given), ctypes.byref(how), watch, ctypes.byref(filled), report), report, finish, filled.tets)
+    finally:
+        _library.pbw_fill_free(ctypes.byref(filled))
+    if status == _errors.DEGENERATE:
+        faults = [[int(one) for one in pair if one != 2**32 - 1] for pair in report.faults[:report.fault_count]]
+        raise _errors.Error(_library.pbw_fill_refusal(report.refusal).decode() + (": %s" % faults if faults else ""))
     if status:
         raise _errors.from_status(status, _library.pbw_status_string(status).decode(), vertices, None)
     return made

@@ -1,0 +1,2549 @@
+/* pbw_fill.h - v0.2.0 - tetrahedra that keep a surface's own triangles - MIT-0
+
+   QUICK START
+   In one source file, define PBW_FILL_IMPLEMENTATION before the include; in all others, only include.
+   Needs pbw.h, pbw_surface.h and pbw_improve.h, with their implementations in some source file.
+
+       pbw_fill_input input = {0};
+       pbw_filled filled = {0};
+       pbw_fill_report report;
+       input.points = points;        input.point_count = n;          // a closed surface, of one or several shells
+       input.triangles = triangles;  input.triangle_count = m;
+       if (pbw_fill(&input, NULL, NULL, &filled, &report) != PBW_OK) puts(pbw_fill_refusal(report.refusal));
+       // filled.tets.corners: 4 points a tetrahedron;  filled.facet_triangle: the input's triangle of each facet
+       pbw_fill_free(&filled);
+
+   CONTENTS  (search for the marks)
+     >>interface    types and functions
+     >>work         the work in progress: tetrahedra and their links, progress, a hash table
+     >>grid         points moved to a grid on which points between them are exact
+     >>start        the first triangulation, with a box around
+     >>edges        edges of the triangles; which are segments; flat facets
+     >>insertion    point location; a point inserted into a Delaunay triangulation
+     >>segments     points on segments until all of their pieces are edges
+     >>cavities     one side of a facet's cavity, wrapped into tetrahedra
+     >>facets       each facet found in the triangulation, or made there
+     >>regions      what the facets enclose
+     >>result       the caller's arrays
+     >>stages       all of it in order
+
+   FUNCTIONS
+     pbw_fill          fills a surface with tetrahedra
+     pbw_fill_free     frees the result
+     pbw_fill_refusal  why a surface is refused, in words
+
+   HOW
+   1. Points are moved to a grid of 2^-29 of the surface's box, on which places between two of them are exact doubles:
+      all signs are then those of pbw.h.  A box around the surface is triangulated with them.
+   2. Edges of the triangles are segments, but for those between coplanar ones.  A segment that is no edge of the
+      triangulation gets a point, until all pieces of segments are edges (Si and Gaertner 2005).
+   3. Then the constrained Delaunay triangulation exists, and is unique under pbw.h's tie rule (Shewchuk 1998).  Where
+      tetrahedra pass through a facet, they are replaced, on both sides, by gift-wrapping.
+   4. What the facets enclose are regions: each gets the number of a seed in it; without seeds, what is inside of an
+      odd number of nested bodies is kept.
+
+   PROMISES  (tests/test_fill.c guards them)
+     exact       all tetrahedra are positive, and each flat facet of coplanar triangles (with options.split_flat each
+                 triangle) is a union of facets of them, by exact signs, in the coordinates that come out
+     told        the input's triangle of each facet; why and where an input is refused.  Near misses are no reason,
+                 down to the grid
+     same        the same bytes for any number of threads
+     bounded     no recursion, and no assert on any input
+
+   DOES NOT  work on several threads, but for the first triangulation and the search for crossings.  Nor does it keep
+             coordinates to the bit: those finer than the grid are rounded, see report.rounded.  Points far from the
+             origin, as seen against the box, may round so that tetrahedra are flat: report.flat_tets.  Nor does it
+             improve angles: pbw_improve does.
+
+   CONFIGURATION MACROS
+     PBW_FILL_IMPLEMENTATION  in one source file: compile the implementation there
+     PBWFILLDEF               everywhere: your own linkage for the functions, for example static
+*/
+#ifndef PBW_FILL_H
+#define PBW_FILL_H
+#ifndef PBW_IMPROVE_H
+#include "pbw_improve.h"
+#endif
+
+#ifndef PBWFILLDEF
+#define PBWFILLDEF extern
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* ------------------------------------------------------------------------------------------------------
+   >>interface    Types and functions.
+   ------------------------------------------------------------------------------------------------------ */
+typedef struct pbw_fill_input {
+    const double *points;                  /* 3 coordinates each; points at one place count as one; points that no
+                                              triangle has are kept where they are inside */
+    size_t point_count;
+    const pbw_index *triangles;            /* 3 ids each, turned any way; an edge may have any number of them */
+    size_t triangle_count;
+    const pbw_index *numbers;              /* one a triangle: flat facets join triangles of one number only; NULL =
+                                              all are alike */
+    const pbw_index *segments;             /* 2 ids each: edges that belong to no triangle, as wires; NULL = none */
+    size_t segment_count;
+    const double *seeds;                   /* 3 coordinates each: places in regions; NULL = none */
+    const pbw_index *seed_regions;         /* one a seed: the number of its region, PBW_NONE = a hole */
+    size_t seed_count;
+} pbw_fill_input;
+
+typedef struct pbw_fill_options {          /* NULL or all zero = best defaults */
+    int split_flat;                        /* 1: edges between coplanar triangles are kept, too: each triangle is a
+                                              union of facets; 0: each flat facet of coplanar triangles is */
+    int nested;                            /* without seeds, 1: all that is enclosed is kept; 0: shells inside of
+                                              others bound cavities, shells inside of those regions, and so on */
+    int outside;                           /* 1: the outside is kept, too, up to a box five times as wide as the
+                                              surface's, as the last region */
+    size_t most;                           /* points added to segments, at most; 0 = 50 million */
+    const char **stage;                    /* gets the name of the stage before its progress is reported: those of
+                                              report.seconds; NULL = none */
+} pbw_fill_options;
+
+enum {                                     /* why an input is refused, with PBW_DEGENERATE */
+    PBW_FILL_FILLED,                       /* it is not */
+    PBW_FILL_EMPTY,                        /* nothing is enclosed, and options.outside is 0 */
+    PBW_FILL_CROSSING,                     /* triangles or segments meet elsewhere than in common corners and edges */
+    PBW_FILL_FLAT,                         /* a triangle has no area */
+    PBW_FILL_OPEN,                         /* a triangle has the outside on both sides */
+    PBW_FILL_TOO_FINE,                     /* the grid of 2^-29 of the box is too coarse for it */
+    PBW_FILL_SEED                          /* a seed lies on a facet, or two seeds of one region differ in number */
+};
+
+enum { PBW_FILL_PLACES = 8 };
+
+typedef struct pbw_fill_report {
+    int refusal;                           /* PBW_FILL_FILLED, or why there is no result */
+    size_t fault_count;                    /* of that kind */
+    pbw_index faults[PBW_FILL_PLACES][2];  /* the first of them.  CROSSING: triangles, PBW_NONE for a segment; FLAT,
+                                              OPEN: a triangle; TOO_FINE: the ends of an edge, two points, or two
+                                              triangles that cross on the grid only; SEED: the seed */
+    size_t rounded;                        /* points of the input that moved to the grid, by 2^-30 of the box at
+                                              most */
+    size_t doubles;                        /* triangles whose corners an earlier one has, left out */
+    size_t collapsed;                      /* triangles with two corners at one place, left out */
+    size_t segments, facets;               /* edges that are kept, and flat facets */
+    size_t missing_segments, missing_facets;         /* of the first triangulation */
+    size_t segment_points;                 /* points that were added on segments */
+    size_t regions;                        /* that are kept */
+    size_t flat_tets;                      /* without volume, as places between grid points are no doubles */
+    double seconds[7];                     /* of processor time: grid, triangulate, edges, crossings, segments,
+                                              facets, regions */
+} pbw_fill_report;
+
+typedef struct pbw_filled {                /* start from {0}; pbw_fill_free when done */
+    pbw_tets tets;                         /* points, corners, neighbors, regions, original; patches: the input's
+                                              triangle at each facet of the surface.  For pbw_fill_free, not for
+                                              pbw_tets_free */
+    size_t facet_count;
+    const pbw_index *facets;               /* 3 points each, turned out of the region that sides[0] is */
+    const pbw_index *facet_triangle;       /* the input's triangle that has it, of a flat facet one of them */
+    const pbw_index *facet_corners;        /* 4 t + i, the place of the corner across in tets.corners */
+    const pbw_index *sides;                /* 2 a facet: the regions on both sides, the second PBW_NONE outside */
+    void *memory;                          /* private */
+} pbw_filled;
+
+/* Fills a surface.  how, options and report may be NULL.  filled: overwritten, left empty on failure.  Of options, it
+   uses threads, run, resize, memory_limit and progress (PBW_STAGE_WORK).  Returns PBW_DEGENERATE if the input is
+   refused, see report.refusal; PBW_ERROR_ARGUMENT for ids out of range; PBW_ERROR_TOO_LARGE if options.most is too
+   few; PBW_ERROR_NOT_FINITE; or what pbw_triangulate fails with. */
+PBWFILLDEF pbw_status pbw_fill(const pbw_fill_input *input, const pbw_fill_options *how, const pbw_options *options,
+                               pbw_filled *filled, pbw_fill_report *report);
+PBWFILLDEF void pbw_fill_free(pbw_filled *filled);           /* fine on {0}, fine twice */
+PBWFILLDEF const char *pbw_fill_refusal(int refusal);        /* in words; never NULL, never freed */
+
+#ifdef __cplusplus
+}
+#endif
+#endif /* PBW_FILL_H */
+
+#if defined(PBW_FILL_IMPLEMENTATION) && !defined(PBWFILL__IMPLEMENTED)
+#define PBWFILL__IMPLEMENTED
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+PBW_CONTRACTION_OFF                        /* fused operations would give other coordinates */
+
+/* ------------------------------------------------------------------------------------------------------
+   >>work         The work in progress: tetrahedra and their links, progress, a hash table.
+   Holds: tetrahedra in use are positive, and links of both sides agree; those not in use have the corner PBW_NONE and
+   are in `unused`.  Vertices are the input's points, eight corners of the box, then points that were added; at[v] is
+   a tetrahedron of v, PBW_NONE for duplicates.
+   ------------------------------------------------------------------------------------------------------ */
+enum { PBWFILL__STEPS = 22 };              /* places on a segment are multiples of 2^-22 of it */
+
+typedef PBW_ARRAY(pbw_index) pbwfill__indices;
+
+typedef struct pbwfill__tet {
+    pbw_index v[4], n[4];                  /* n[i]: across from v[i] */
+    pbw_index wall[4];                     /* the facet of the surface across from v[i], or PBW_NONE */
+} pbwfill__tet;
+
+typedef struct pbwfill__slot { pbw_index key[3], value; uint32_t stamp; } pbwfill__slot;
+typedef struct pbwfill__table {            /* of slots with this stamp, each found by its key */
+    PBW_ARRAY(pbwfill__slot) slots;        /* count: those in use; capacity: a power of two */
+    uint32_t stamp;
+} pbwfill__table;
+
+typedef struct pbwfill__edge {             /* of triangles, or a segment of the input; a < b */
+    pbw_index a, b;
+    size_t first, count;                   /* range of `sides`: its triangles */
+    pbw_index piece;                       /* its first piece; PBW_NONE: between coplanar triangles, no segment */
+} pbwfill__edge;
+
+typedef struct pbwfill__piece {            /* of an edge between two points on it */
+    pbw_index a, b, edge, next;            /* next: the piece that begins at b, PBW_NONE at the end */
+    pbw_index ends[2];                     /* the vertices between which places are exact */
+    uint32_t from, to;                     /* where a and b are between them */
+} pbwfill__piece;
+
+typedef struct pbwfill__face {             /* at the boundary of a cavity */
+    pbw_index v[3];                        /* the cavity is on the positive side */
+    pbw_index outside, back;               /* the tetrahedron beyond, PBW_NONE where that is in the cavity, too, and
+                                              the number of its corner across */
+    pbw_index wall;
+    int side;                              /* of the facet's plane */
+    pbw_index tet, corner;                 /* that fills the cavity here */
+    double low[3], high[3];
+} pbwfill__face;
+
+typedef struct pbwfill__work {
+    pbw_memory memory;
+    const pbw_fill_input *input;
+    pbw_fill_options how;
+    const pbw_options *caller;
+    pbw_options options;                   /* the caller's, less what does not concern parts */
+    pbw_fill_report *report;
+    double from, to, done;                 /* progress: of the present stage, and what was reported last */
+    size_t ticks;
+    int cancelled, stage;                  /* stage: its number */
+    clock_t since;
+    int exponent;                          /* coordinates of the input times 2^-exponent are below 1 */
+    double unit, origin[3];                /* of the grid, for coordinates below 1 */
+    PBW_ARRAY(double) x;                   /* 3 a vertex, in units from the origin */
+    size_t inputs;                         /* how many vertices are the input's */
+    pbwfill__indices canonical;            /* of each of them: the first at its place */
+    PBW_ARRAY(pbwfill__tet) tets;
+    pbwfill__indices unused, at;
+    PBW_ARRAY(uint32_t) seen;              /* of each tetrahedron, against `epoch` */
+    uint32_t epoch;
+    PBW_ARRAY(unsigned char) touched;      /* of each vertex: its star has changed */
+    pbwfill__indices corners;              /* of the triangles: canonical points */
+    PBW_ARRAY(pbwfill__edge) edges;
+    pbwfill__indices sides;                /* 3 t + k: the side of triangle t across from its corner k */
+    pbwfill__indices edge_of;              /* 3 t + k: its edge */
+    pbwfill__indices facet_of;             /* of each triangle */
+    pbwfill__indices facet_first, members; /* the triangles of facet f: members[facet_first[f]] to the next's */
+    PBW_ARRAY(unsigned char) acute;        /* of each vertex: two segments at it are at less than 90 degrees */
+    PBW_ARRAY(pbwfill__piece) pieces;
+    pbwfill__table table, borders, covered, segments;
+    pbwfill__indices cavity, rest;         /* tetrahedra; vertices, or those to be visited */
+    PBW_ARRAY(pbwfill__face) faces;
+    PBW_ARRAY(pbwfill__tet) made;          /* what is to fill the cavity; links: 4 times the place of another one in
+                                              here, plus the corner */
+    PBW_ARRAY(signed char) sign;           /* of each vertex, where seen_vertex has the epoch */
+    PBW_ARRAY(uint32_t) seen_vertex;
+    pbwfill__indices region;               /* of each tetrahedron */
+    size_t region_count;
+} pbwfill__work;
+
+static const double *pbwfill__at(const pbwfill__work *w, pbw_index v)
+{
+    return w->x.at + 3 * (size_t)v;
+}
+
+static size_t pbwfill__vertices(const pbwfill__work *w)
+{
+    return w->x.count / 3;
+}
+
+static int pbwfill__orient(const pbwfill__work *w, pbw_index a, pbw_index b, pbw_index c, pbw_index d)
+{
+    return pbw_orient3(pbwfill__at(w, a), pbwfill__at(w, b), pbwfill__at(w, c), pbwfill__at(w, d));
+}
+
+/* Refuses the input, or counts one more reason to. */
+static pbw_status pbwfill__refuse(pbwfill__work *w, int refusal, pbw_index a, pbw_index b)
+{
+    pbw_fill_report *r = w->report;
+    if (r->fault_count < PBW_FILL_PLACES) {
+        r->faults[r->fault_count][0] = a;
+        r->faults[r->fault_count][1] = b;
+    }
+    r->fault_count++;
+    r->refusal = refusal;
+    return PBW_DEGENERATE;
+}
+
+/* Reports the progress.  Returns 1 if the caller cancels. */
+static int pbwfill__ends(pbwfill__work *w)
+{
+    w->cancelled |= w->caller != NULL && w->caller->progress != NULL
+                 && w->caller->progress(w->caller->progress_user, PBW_STAGE_WORK, w->done) != 0;
+    return w->cancelled;
+}
+
+/* The same within a loop, once in a while. */
+static int pbwfill__tick(pbwfill__work *w, double share)
+{
+    if (++w->ticks % 256 != 0) {
+        return w->cancelled;
+    }
+    w->done = fmax(w->done, w->from + (w->to - w->from) * share);
+    return pbwfill__ends(w);
+}
+
+static int pbwfill__inner_progress(void *user, pbw_stage stage, double done)
+{
+    (void)stage;
+    (void)done;
+    return pbwfill__ends((pbwfill__work *)user);
+}
+
+/* Ends the stage before and begins one, which ends at `to` of the progress.  Returns 1 if the caller cancels. */
+static int pbwfill__begin(pbwfill__work *w, int stage, const char *name, double to)
+{
+    const clock_t now = clock();
+    w->report->seconds[w->stage] += (double)(now - w->since) / CLOCKS_PER_SEC;
+    w->since = now;
+    w->stage = stage;
+    w->from = w->done = w->to;
+    w->to = to;
+    if (name != NULL && w->how.stage != NULL) {
+        *w->how.stage = name;
+    }
+    return pbwfill__ends(w);
+}
+
+/* The options for a call of the library: what it allocates and keeps is freed before this work ends. */
+static const pbw_options *pbwfill__inner_options(pbwfill__work *w)
+{
+    pbw_memory_nest(&w->memory, &w->options);
+    w->options.progress = pbwfill__inner_progress;
+    w->options.progress_user = w;
+    return &w->options;
+}
+
+/* ---- the hash table */
+
+static void pbwfill__clear(pbwfill__table *table)
+{
+    table->slots.count = 0;
+    table->stamp++;
+    if (table->stamp == 0) {                         /* after 2^32 clearings */
+        memset(table->slots.at, 0, table->slots.capacity * sizeof *table->slots.at);
+        table->stamp = 1;
+    }
+}
+
+static pbwfill__slot *pbwfill__find(const pbwfill__table *table, pbw_index a, pbw_index b, pbw_index c)
+{
+    size_t i = (size_t)pbw_mix(pbw_mix((uint64_t)a << 32 | b) + c);
+    for (;; i++) {
+        pbwfill__slot *s = table->slots.at + (i & (table->slots.capacity - 1));
+        if (s->stamp != table->stamp || (s->key[0] == a && s->key[1] == b && s->key[2] == c)) {
+            return s;
+        }
+    }
+}
+
+/* Returns the value of a key, which is PBW_NONE if it is not there. */
+static pbw_index pbwfill__look_up(const pbwfill__table *table, pbw_index a, pbw_index b, pbw_index c)
+{
+    const pbwfill__slot *s = table->slots.count == 0 ? NULL : pbwfill__find(table, a, b, c);
+    return s == NULL || s->stamp != table->stamp ? PBW_NONE : s->value;
+}
+
+/* Returns the value of a key, to be changed: PBW_NONE if it was not there; NULL without memory. */
+static pbw_index *pbwfill__put(pbwfill__work *w, pbwfill__table *table, pbw_index a, pbw_index b, pbw_index c)
+{
+    pbwfill__slot *s;
+    if (2 * (table->slots.count + 1) > table->slots.capacity) {
+        pbwfill__table larger;
+        const size_t wanted = table->slots.capacity == 0 ? 64 : 2 * table->slots.capacity;
+        size_t i;
+        memset(&larger, 0, sizeof larger);
+        if (!PBW_ZEROS(&w->memory, larger.slots, wanted)) {
+            return NULL;
+        }
+        larger.stamp = 1;
+        for (i = 0; i < table->slots.capacity; i++) {
+            const pbwfill__slot *from = table->slots.at + i;
+            if (from->stamp == table->stamp && table->slots.count > 0) {
+                s = pbwfill__find(&larger, from->key[0], from->key[1], from->key[2]);
+                *s = *from;
+                s->stamp = 1;
+            }
+        }
+        larger.slots.count = table->slots.count;
+        PBW_RELEASE(&w->memory, table->slots);
+        *table = larger;
+    }
+    s = pbwfill__find(table, a, b, c);
+    if (s->stamp != table->stamp) {
+        s->key[0] = a, s->key[1] = b, s->key[2] = c;
+        s->stamp = table->stamp;
+        s->value = PBW_NONE;
+        table->slots.count++;
+    }
+    return &s->value;
+}
+
+/* The same for three ids in any order. */
+static pbw_index *pbwfill__put_sorted(pbwfill__work *w, pbwfill__table *table, pbw_index a, pbw_index b, pbw_index c)
+{
+    const pbw_index least = a < b ? (a < c ? a : c) : (b < c ? b : c);
+    const pbw_index most = a > b ? (a > c ? a : c) : (b > c ? b : c);
+    return pbwfill__put(w, table, least, a ^ b ^ c ^ least ^ most, most);
+}
+
+/* ---- tetrahedra */
+
+/* Makes room for more tetrahedra, so that pbwfill__new_tet cannot fail. */
+static int pbwfill__reserve(pbwfill__work *w, size_t more)
+{
+    return more <= w->unused.count
+        || (PBW_RESERVE(&w->memory, w->tets, more) && PBW_RESERVE(&w->memory, w->seen, more)
+            && w->tets.count + more < PBW_NONE / 4);
+}
+
+static pbw_index pbwfill__new_tet(pbwfill__work *w)
+{
+    if (w->unused.count > 0) {
+        return w->unused.at[--w->unused.count];
+    }
+    w->seen.at[w->seen.count++] = 0;
+    return (pbw_index)w->tets.count++;
+}
+
+static int pbwfill__drop_tet(pbwfill__work *w, pbw_index t)
+{
+    w->tets.at[t].v[0] = PBW_NONE;
+    return PBW_PUSH(&w->memory, w->unused, t) != 0;
+}
+
+/* The number of a corner; 4 if v is none. */
+static unsigned pbwfill__corner_of(const pbwfill__tet *t, pbw_index v)
+{
+    return t->v[0] == v ? 0 : t->v[1] == v ? 1 : t->v[2] == v ? 2 : t->v[3] == v ? 3 : 4;
+}
+
+/* The number of the corner of t across from its neighbour. */
+static unsigned pbwfill__back(const pbwfill__tet *t, pbw_index neighbor)
+{
+    return t->n[0] == neighbor ? 0 : t->n[1] == neighbor ? 1 : t->n[2] == neighbor ? 2 : 3;
+}
+
+/* Whether p is strictly beyond the facet across from corner i. */
+static int pbwfill__is_beyond(const pbwfill__work *w, const pbwfill__tet *t, unsigned i, const double *p)
+{
+    const double *c[4];
+    unsigned k;
+    for (k = 0; k < 4; k++) {
+        c[k] = k == i ? p : pbwfill__at(w, t->v[k]);
+    }
+    return pbw_orient3(c[0], c[1], c[2], c[3]) < 0;
+}
+
+static void pbwfill__link(pbwfill__work *w, pbw_index t, unsigned i, pbw_index u, unsigned j)
+{
+    w->tets.at[t].n[i] = u;
+    w->tets.at[u].n[j] = t;
+}
+
+/* Adds a vertex. */
+static int pbwfill__new_vertex(pbwfill__work *w, const double p[3])
+{
+    if (!PBW_RESERVE(&w->memory, w->x, 3) || !PBW_PUSH(&w->memory, w->at, PBW_NONE)
+        || !PBW_PUSH(&w->memory, w->touched, 0) || !PBW_PUSH(&w->memory, w->sign, 0)
+        || !PBW_PUSH(&w->memory, w->seen_vertex, 0)) {
+        return 0;
+    }
+    memcpy(w->x.at + w->x.count, p, 3 * sizeof *p);
+    w->x.count += 3;
+    return 1;
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   >>grid         Points moved to a grid on which points between them are exact.
+   In: the input's points.  Out: vertices, with integers from 0 to 2^29 for coordinates; the box's corners.
+   Holds: a point a + m 2^-22 (b - a) between two of these, m an integer, is a triple of doubles, computed without
+   rounding: b - a has at most 30 bits, times m 52; the sum is below 2^30 and a multiple of 2^-22.
+   ------------------------------------------------------------------------------------------------------ */
+/* x times 2^e, for e from -1100 to 1100. */
+static double pbwfill__scaled(double x, int e)
+{
+    return ldexp(ldexp(x, e / 2), e - e / 2);
+}
+
+static pbw_status pbwfill__fit_grid(pbwfill__work *w)
+{
+    const double *p = w->input->points;
+    double low[3] = { 2, 2, 2 }, high[3] = { -2, -2, -2 }, most = 0, extent = 0;
+    size_t i, k;
+    int e;
+    for (i = 0; i < 3 * w->inputs; i++) {
+        if (!(fabs(p[i]) < HUGE_VAL)) {
+            return PBW_ERROR_NOT_FINITE;
+        }
+        most = fmax(most, fabs(p[i]));
+    }
+    (void)frexp(most, &w->exponent);
+    for (i = 0; i < 3 * w->inputs; i++) {
+        const double y = pbwfill__scaled(p[i], -w->exponent);
+        low[i % 3] = fmin(low[i % 3], y);
+        high[i % 3] = fmax(high[i % 3], y);
+    }
+    for (k = 0; k < 3; k++) {
+        extent = fmax(extent, high[k] - low[k]);
+    }
+    if (!(extent > 0)) {
+        return pbwfill__refuse(w, PBW_FILL_EMPTY, PBW_NONE, PBW_NONE);
+    }
+    (void)frexp(extent, &e);
+    w->unit = ldexp(1, e - 29);
+    for (k = 0; k < 3; k++) {
+        w->origin[k] = floor(low[k] / w->unit) * w->unit;
+    }
+    return PBW_OK;
+}
+
+/* The place of a vertex in the caller's coordinates. */
+static void pbwfill__place(const pbwfill__work *w, const double *x, double out[3])
+{
+    int k;
+    for (k = 0; k < 3; k++) {
+        out[k] = pbwfill__scaled(w->origin[k] + x[k] * w->unit, w->exponent);
+    }
+}
+
+static pbw_status pbwfill__make_vertices(pbwfill__work *w)
+{
+    pbw_status status = pbwfill__fit_grid(w);
+    size_t i, k;
+    const size_t count = w->inputs + 8;
+    if (status != PBW_OK) {
+        return status;
+    }
+    if (!PBW_FIT(&w->memory, w->x, 3 * count) || !PBW_ZEROS(&w->memory, w->touched, count)
+        || !PBW_ZEROS(&w->memory, w->sign, count) || !PBW_ZEROS(&w->memory, w->seen_vertex, count)
+        || !PBW_ZEROS(&w->memory, w->at, count)) {
+        return PBW_ERROR_MEMORY;
+    }
+    w->x.count = 3 * count;
+    for (i = 0; i < w->inputs; i++) {
+        const double *p = w->input->points + 3 * i;
+        double back[3];
+        for (k = 0; k < 3; k++) {
+            const double y = pbwfill__scaled(p[k], -w->exponent);
+            w->x.at[3 * i + k] = floor((y - w->origin[k]) / w->unit + 0.5);
+        }
+        pbwfill__place(w, w->x.at + 3 * i, back);
+        w->report->rounded += back[0] < p[0] || back[0] > p[0] || back[1] < p[1] || back[1] > p[1] || back[2] < p[2]
+                           || back[2] > p[2];
+    }
+    for (i = 0; i < 8; i++) {
+        for (k = 0; k < 3; k++) {
+            w->x.at[3 * (w->inputs + i) + k] = i >> k & 1 ? ldexp(3, 29) : -ldexp(1, 30);
+        }
+    }
+    return PBW_OK;
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   >>start        The first triangulation, with a box around.
+   In: vertices.  Out: tetrahedra, canonical points.
+   ------------------------------------------------------------------------------------------------------ */
+static pbw_status pbwfill__triangulate(pbwfill__work *w)
+{
+    const size_t count = pbwfill__vertices(w);
+    pbw_mesh mesh;
+    pbw_status status;
+    size_t i;
+    memset(&mesh, 0, sizeof mesh);
+    (void)pbwfill__inner_options(w);
+    w->options.flags = PBW_BORROW;
+    status = pbw_triangulate(3, w->x.at, NULL, count, &w->options, &mesh);
+    w->options.flags = 0;
+    if (status == PBW_OK && !(PBW_ZEROS(&w->memory, w->canonical, w->inputs)
+        && PBW_FIT(&w->memory, w->tets, mesh.simplex_count + mesh.simplex_count / 4)
+        && PBW_ZEROS(&w->memory, w->seen, mesh.simplex_count))) {
+        status = PBW_ERROR_MEMORY;
+    }
+    if (status == PBW_OK) {
+        memcpy(w->canonical.at, mesh.canonical, w->inputs * sizeof *mesh.canonical);
+        memcpy(w->at.at, mesh.incident, count * sizeof *mesh.incident);
+        w->tets.count = mesh.simplex_count;
+        for (i = 0; i < mesh.simplex_count; i++) {
+            pbwfill__tet *t = w->tets.at + i;
+            memcpy(t->v, mesh.simplices + 4 * i, sizeof t->v);
+            memcpy(t->n, mesh.neighbors + 4 * i, sizeof t->n);
+            memset(t->wall, 0xff, sizeof t->wall);   /* PBW_NONE */
+        }
+    }
+    pbw_free(&mesh);
+    return status;
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   >>edges        Edges of the triangles; which are segments; flat facets.
+   In: the input's triangles.  Out: corners, edges, sides, facets, a piece for each segment, acute.
+   Holds: edges ascend by their ends, and so do not depend on the order of triangles; facets are numbered by their
+   first triangles.
+   ------------------------------------------------------------------------------------------------------ */
+/* Returns the axis to look along at a triangle, so that it has area: 3 if it has none. */
+static int pbwfill__axis_of(const double *a, const double *b, const double *c)
+{
+    int k;
+    for (k = 0; k < 3; k++) {
+        const int u = (k + 1) % 3, v = (k + 2) % 3;
+        const double p[2] = { a[u], a[v] }, q[2] = { b[u], b[v] }, r[2] = { c[u], c[v] };
+        if (pbw_orient2(p, q, r) != 0) {
+            return k;
+        }
+    }
+    return 3;
+}
+
+/* On which side of a-b, seen along an axis, c is. */
+static int pbwfill__turn(const double *a, const double *b, const double *c, int axis)
+{
+    const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+    const double p[2] = { a[u], a[v] }, q[2] = { b[u], b[v] }, r[2] = { c[u], c[v] };
+    return pbw_orient2(p, q, r);
+}
+
+/* Refuses points that are at one place of the grid, but not of the input. */
+static pbw_status pbwfill__check_merged(pbwfill__work *w)
+{
+    pbw_status status = PBW_OK;
+    size_t i;
+    for (i = 0; i < w->inputs; i++) {
+        const double *p = w->input->points + 3 * i, *q = w->input->points + 3 * (size_t)w->canonical.at[i];
+        if (p[0] < q[0] || p[0] > q[0] || p[1] < q[1] || p[1] > q[1] || p[2] < q[2] || p[2] > q[2]) {
+            status = pbwfill__refuse(w, PBW_FILL_TOO_FINE, w->canonical.at[i], (pbw_index)i);
+        }
+    }
+    return status;
+}
+
+/* Takes over the triangles, and tells in `gone` those with two corners at one place; others without area are
+   faults. */
+static pbw_status pbwfill__take_triangles(pbwfill__work *w, unsigned char *gone)
+{
+    const pbw_fill_input *in = w->input;
+    pbw_status status = pbwfill__check_merged(w);
+    size_t i, k;
+    if (status != PBW_OK) {
+        return status;
+    }
+    if (!PBW_FIT(&w->memory, w->corners, 3 * in->triangle_count)) {
+        return PBW_ERROR_MEMORY;
+    }
+    for (i = 0; i < in->triangle_count; i++) {
+        const pbw_index *t = in->triangles + 3 * i;
+        pbw_index *c = w->corners.at + 3 * i;
+        for (k = 0; k < 3; k++) {
+            c[k] = w->canonical.at[t[k]];
+        }
+        gone[i] = c[0] == c[1] || c[1] == c[2] || c[2] == c[0];
+        w->report->collapsed += gone[i];
+        if (!gone[i] && pbwfill__axis_of(pbwfill__at(w, c[0]), pbwfill__at(w, c[1]), pbwfill__at(w, c[2])) == 3) {
+            const double *p = in->points;
+            const int flat = pbwfill__axis_of(p + 3 * (size_t)t[0], p + 3 * (size_t)t[1], p + 3 * (size_t)t[2]) == 3;
+            const int refusal = flat ? PBW_FILL_FLAT : PBW_FILL_TOO_FINE;
+            if (w->report->refusal == PBW_FILL_FILLED || w->report->refusal == refusal) {
+                status = pbwfill__refuse(w, refusal, (pbw_index)i, PBW_NONE);
+            }
+        }
+    }
+    w->corners.count = 3 * in->triangle_count;
+    return status;
+}
+
+/* Sorts sides (3 t + k, behind them the segments of the input) by their edges, then by the corners across. */
+static pbw_status pbwfill__sort_sides(pbwfill__work *w, pbw_index *order)
+{
+    const size_t triangles = w->corners.count / 3, count = 3 * triangles + w->input->segment_count;
+    PBW_ARRAY(uint64_t) keys = { NULL, 0, 0 };
+    pbwfill__indices first = { NULL, 0, 0 }, second = { NULL, 0, 0 };
+    pbw_status status = PBW_ERROR_MEMORY;
+    size_t i;
+    if (PBW_FIT(&w->memory, keys, count) && PBW_FIT(&w->memory, first, count) && PBW_FIT(&w->memory, second, count)) {
+        for (i = 0; i < count; i++) {
+            keys.at[i] = i < 3 * triangles ? w->corners.at[i] : PBW_NONE;
+        }
+        status = pbw_sort(keys.at, count, pbwfill__inner_options(w), first.at);
+    }
+    if (status == PBW_OK) {
+        for (i = 0; i < count; i++) {
+            const size_t s = first.at[i], t = s - s % 3;
+            const pbw_index *wire = w->input->segments == NULL ? NULL : w->input->segments + 2 * (s - 3 * triangles);
+            const uint64_t a = s < 3 * triangles ? w->corners.at[t + (s + 1) % 3] : w->canonical.at[wire[0]];
+            const uint64_t b = s < 3 * triangles ? w->corners.at[t + (s + 2) % 3] : w->canonical.at[wire[1]];
+            keys.at[i] = a < b ? a << 32 | b : b << 32 | a;
+        }
+        status = pbw_sort(keys.at, count, pbwfill__inner_options(w), second.at);
+    }
+    for (i = 0; status == PBW_OK && i < count; i++) {
+        order[i] = first.at[second.at[i]];
+    }
+    PBW_RELEASE(&w->memory, keys);
+    PBW_RELEASE(&w->memory, first);
+    PBW_RELEASE(&w->memory, second);
+    return status;
+}
+
+static void pbwfill__ends_of(const pbwfill__work *w, pbw_index side, pbw_index *a, pbw_index *b)
+{
+    const size_t s = side, n = w->corners.count, t = s - s % 3;
+    const pbw_index p = s < n ? w->corners.at[t + (s + 1) % 3] : w->canonical.at[w->input->segments[2 * (s - n)]];
+    const pbw_index q = s < n ? w->corners.at[t + (s + 2) % 3] : w->canonical.at[w->input->segments[2 * (s - n) + 1]];
+    *a = p < q ? p : q;
+    *b = p < q ? q : p;
+}
+
+/* Makes edges of the sorted sides.  gone: 1, triangles that are left out; 2, which it sets, those that have the
+   corners of an earlier one. */
+static pbw_status pbwfill__make_edges(pbwfill__work *w, const pbw_index *order, unsigned char *gone)
+{
+    const size_t count = w->corners.count + w->input->segment_count;
+    size_t i, j;
+    if (!PBW_FIT(&w->memory, w->sides, w->corners.count + 1)
+        || !PBW_ZEROS(&w->memory, w->edge_of, w->corners.count + 1)) {
+        return PBW_ERROR_MEMORY;
+    }
+    for (i = 0; i < count; i = j) {
+        pbwfill__edge e;
+        pbw_index last = PBW_NONE;
+        memset(&e, 0, sizeof e);
+        pbwfill__ends_of(w, order[i], &e.a, &e.b);
+        e.first = w->sides.count;
+        e.piece = PBW_NONE;
+        for (j = i; j < count; j++) {
+            pbw_index a, b;
+            const size_t s = order[j];
+            pbwfill__ends_of(w, order[j], &a, &b);
+            if (a != e.a || b != e.b) {
+                break;
+            }
+            if (s >= w->corners.count) {
+                e.piece = 0;                         /* it is asked for */
+            } else if (gone[s / 3] == 1) {
+                continue;
+            } else if (w->corners.at[s] == last) {   /* sorted by corner, then by triangle: the first one stays */
+                w->report->doubles += gone[s / 3] == 0;
+                gone[s / 3] = 2;
+            } else {
+                last = w->corners.at[s];
+                w->sides.at[w->sides.count++] = (pbw_index)s;
+                w->edge_of.at[s] = (pbw_index)w->edges.count;
+            }
+        }
+        e.count = w->sides.count - e.first;
+        if (!PBW_PUSH(&w->memory, w->edges, e)) {
+            return PBW_ERROR_MEMORY;
+        }
+    }
+    return PBW_OK;
+}
+
+static pbw_index pbwfill__root(pbw_index *tree, pbw_index i)
+{
+    while (tree[i] != i) {
+        i = tree[i] = tree[tree[i]];
+    }
+    return i;
+}
+
+/* Whether an edge lies within a flat facet: between two coplanar triangles of one number. */
+static int pbwfill__is_flat(const pbwfill__work *w, const pbwfill__edge *e)
+{
+    const pbw_index *side = w->sides.at + e->first;
+    const double *a, *b, *c, *d;
+    int axis;
+    if (w->how.split_flat || e->count != 2 || e->piece != PBW_NONE
+        || (w->input->numbers != NULL && w->input->numbers[side[0] / 3] != w->input->numbers[side[1] / 3])) {
+        return 0;
+    }
+    a = pbwfill__at(w, e->a), b = pbwfill__at(w, e->b);
+    c = pbwfill__at(w, w->corners.at[side[0]]), d = pbwfill__at(w, w->corners.at[side[1]]);
+    if (pbw_orient3(a, b, c, d) != 0) {
+        return 0;
+    }
+    axis = pbwfill__axis_of(a, b, c);
+    return pbwfill__turn(a, b, c, axis) != pbwfill__turn(a, b, d, axis);
+}
+
+/* Numbers the facets, lists their triangles, and makes a piece of each segment. */
+static pbw_status pbwfill__make_facets(pbwfill__work *w, const unsigned char *gone)
+{
+    const size_t triangles = w->corners.count / 3;
+    pbw_index *facet;
+    size_t i, facets = 0;
+    if (!PBW_ZEROS(&w->memory, w->facet_of, triangles + 1) || !PBW_ZEROS(&w->memory, w->facet_first, triangles + 2)
+        || !PBW_FIT(&w->memory, w->members, triangles + 1)) {
+        return PBW_ERROR_MEMORY;
+    }
+    facet = w->facet_of.at;
+    for (i = 0; i < triangles; i++) {
+        facet[i] = (pbw_index)i;
+    }
+    for (i = 0; i < w->edges.count; i++) {
+        pbwfill__edge *e = w->edges.at + i;
+        if (pbwfill__is_flat(w, e)) {                /* the lower number becomes the root */
+            const pbw_index p = pbwfill__root(facet, w->sides.at[e->first] / 3);
+            const pbw_index q = pbwfill__root(facet, w->sides.at[e->first + 1] / 3);
+            facet[p < q ? q : p] = p < q ? p : q;
+        } else if (e->a != e->b && (e->count > 0 || e->piece == 0)) {
+            pbwfill__piece piece;
+            memset(&piece, 0, sizeof piece);
+            piece.a = piece.ends[0] = e->a;
+            piece.b = piece.ends[1] = e->b;
+            piece.edge = (pbw_index)i;
+            piece.next = PBW_NONE;
+            piece.to = 1u << PBWFILL__STEPS;
+            e->piece = (pbw_index)w->pieces.count;
+            if (!PBW_PUSH(&w->memory, w->pieces, piece)) {
+                return PBW_ERROR_MEMORY;
+            }
+        } else {
+            e->piece = PBW_NONE;
+        }
+    }
+    w->report->segments = w->pieces.count;
+    for (i = 0; i < triangles; i++) {
+        facet[i] = pbwfill__root(facet, (pbw_index)i);
+    }
+    for (i = 0; i < triangles; i++) {                /* roots come first */
+        facet[i] = facet[i] != i ? facet[facet[i]] : gone[i] ? PBW_NONE : (pbw_index)facets++;
+    }
+    w->report->facets = facets;
+    return PBW_OK;
+}
+
+/* Fills facet_first and members. */
+static void pbwfill__list_members(pbwfill__work *w)
+{
+    const size_t triangles = w->corners.count / 3, facets = w->report->facets;
+    size_t i;
+    for (i = 0; i < triangles; i++) {
+        if (w->facet_of.at[i] != PBW_NONE) {
+            w->facet_first.at[w->facet_of.at[i] + 1]++;
+        }
+    }
+    for (i = 0; i < facets; i++) {
+        w->facet_first.at[i + 1] += w->facet_first.at[i];
+    }
+    w->members.count = w->facet_first.at[facets];
+    for (i = triangles; i-- > 0;) {                  /* from the end, so that the starts come out */
+        if (w->facet_of.at[i] != PBW_NONE) {
+            w->members.at[--w->facet_first.at[w->facet_of.at[i] + 1]] = (pbw_index)i;
+        }
+    }
+    for (i = 0; i < facets; i++) {
+        w->facet_first.at[i] = w->facet_first.at[i + 1];
+    }
+    w->facet_first.at[facets] = (pbw_index)w->members.count;
+}
+
+/* Marks the vertices with two segments at less than 90 degrees.  Seven or more segments always have such a pair. */
+static pbw_status pbwfill__find_acute(pbwfill__work *w)
+{
+    pbwfill__indices others = { NULL, 0, 0 };        /* 6 a vertex */
+    PBW_ARRAY(unsigned char) counts = { NULL, 0, 0 };
+    pbw_status status = PBW_ERROR_MEMORY;
+    size_t i, k, side;
+    if (PBW_ZEROS(&w->memory, w->acute, w->inputs + 1) && PBW_FIT(&w->memory, others, 6 * w->inputs + 1)
+        && PBW_ZEROS(&w->memory, counts, w->inputs + 1)) {
+        status = PBW_OK;
+        for (i = 0; i < w->pieces.count; i++) {
+            for (side = 0; side < 2; side++) {
+                const size_t v = w->pieces.at[i].ends[side], u = w->pieces.at[i].ends[1 - side];
+                const double *p = w->x.at + 3 * v, *q = w->x.at + 3 * u;
+                for (k = 0; k < counts.at[v] && !w->acute.at[v]; k++) {
+                    const double *r = w->x.at + 3 * (size_t)others.at[6 * v + k];
+                    w->acute.at[v] = (q[0] - p[0]) * (r[0] - p[0]) + (q[1] - p[1]) * (r[1] - p[1])
+                                   + (q[2] - p[2]) * (r[2] - p[2]) > 0;
+                }
+                if (counts.at[v] == 6) {
+                    w->acute.at[v] = 1;
+                } else {
+                    others.at[6 * v + counts.at[v]++] = (pbw_index)u;
+                }
+            }
+        }
+    }
+    PBW_RELEASE(&w->memory, others);
+    PBW_RELEASE(&w->memory, counts);
+    return status;
+}
+
+static pbw_status pbwfill__find_edges(pbwfill__work *w)
+{
+    pbwfill__indices order = { NULL, 0, 0 };
+    PBW_ARRAY(unsigned char) gone = { NULL, 0, 0 };
+    pbw_status status = PBW_ZEROS(&w->memory, gone, w->input->triangle_count + 1) ? PBW_OK : PBW_ERROR_MEMORY;
+    status = status != PBW_OK ? status : pbwfill__take_triangles(w, gone.at);
+    if (status == PBW_OK && !PBW_FIT(&w->memory, order, w->corners.count + w->input->segment_count + 1)) {
+        status = PBW_ERROR_MEMORY;
+    }
+    status = status != PBW_OK ? status : pbwfill__sort_sides(w, order.at);
+    status = status != PBW_OK ? status : pbwfill__make_edges(w, order.at, gone.at);
+    status = status != PBW_OK ? status : pbwfill__make_facets(w, gone.at);
+    PBW_RELEASE(&w->memory, order);
+    PBW_RELEASE(&w->memory, gone);
+    if (status == PBW_OK) {
+        pbwfill__list_members(w);
+        status = pbwfill__find_acute(w);
+    }
+    return status;
+}
+
+/* Refuses triangles that meet: on the grid, and in the input's coordinates; if only on the grid, that is too
+   coarse. */
+static pbw_status pbwfill__check_crossings(pbwfill__work *w)
+{
+    const pbw_fill_input *in = w->input;
+    const size_t count = w->corners.count / 3;
+    pbw_surface_faults faults, given;
+    pbw_status status;
+    size_t i;
+    memset(&faults, 0, sizeof faults);
+    memset(&given, 0, sizeof given);
+    status = pbw_surface_crossings(w->x.at, w->inputs, w->corners.at, count, pbwfill__inner_options(w), &faults);
+    if (status == PBW_OK && faults.crossing_count > 0) {
+        status = pbw_surface_crossings(in->points, w->inputs, in->triangles, count, pbwfill__inner_options(w),
+                                       &given);
+        if (status == PBW_OK) {
+            const int crossing = given.crossing_count > 0;
+            const pbw_surface_faults *f = crossing ? &given : &faults;
+            for (i = 0; i < f->crossing_count; i++) {
+                status = pbwfill__refuse(w, crossing ? PBW_FILL_CROSSING : PBW_FILL_TOO_FINE, f->crossings[2 * i],
+                                         f->crossings[2 * i + 1]);
+            }
+        }
+    }
+    pbw_surface_faults_free(&faults);
+    pbw_surface_faults_free(&given);
+    return status;
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   >>insertion    Point location; a point inserted into a Delaunay triangulation.
+   In: a vertex that is in no tetrahedron yet.  Out: the triangulation with it, the Delaunay triangulation under the
+   tie rule: the tetrahedra in conflict with the point are connected, and its star replaces them.
+   ------------------------------------------------------------------------------------------------------ */
+/* Returns a tetrahedron that contains p: steps across facets that p is beyond, the first one that it tries changes
+   pseudorandomly, and so ends in any triangulation of the box. */
+static pbw_index pbwfill__locate(const pbwfill__work *w, pbw_index t, const double *p)
+{
+    uint64_t step = 0;
+    unsigned i = 0;
+    while (i < 4) {
+        const unsigned first = (unsigned)(pbw_mix(step++) & 3);
+        for (i = 0; i < 4; i++) {
+            const unsigned k = (first + i) & 3;
+            if (pbwfill__is_beyond(w, w->tets.at + t, k, p)) {
+                t = w->tets.at[t].n[k];
+                break;
+            }
+        }
+    }
+    return t;
+}
+
+static int pbwfill__is_in_conflict(const pbwfill__work *w, const pbwfill__tet *t, const double *p)
+{
+    return pbw_conflict3(pbwfill__at(w, t->v[0]), pbwfill__at(w, t->v[1]), pbwfill__at(w, t->v[2]),
+                         pbwfill__at(w, t->v[3]), p, NULL);
+}
+
+/* Lists the tetrahedra in conflict with p, from one of them; seen: epoch for these, epoch + 1 for those beside. */
+static pbw_status pbwfill__find_cavity(pbwfill__work *w, pbw_index start, const double *p, size_t *facets)
+{
+    size_t i;
+    unsigned k;
+    w->epoch += 2;
+    w->cavity.count = *facets = 0;
+    w->seen.at[start] = w->epoch;
+    if (!PBW_PUSH(&w->memory, w->cavity, start)) {
+        return PBW_ERROR_MEMORY;
+    }
+    for (i = 0; i < w->cavity.count; i++) {
+        for (k = 0; k < 4; k++) {
+            const pbw_index n = w->tets.at[w->cavity.at[i]].n[k];
+            if (n == PBW_NONE || w->seen.at[n] == w->epoch + 1) {
+                ++*facets;
+            } else if (w->seen.at[n] != w->epoch) {
+                const int in = pbwfill__is_in_conflict(w, w->tets.at + n, p);
+                w->seen.at[n] = in ? w->epoch : w->epoch + 1;
+                if (!in) {
+                    ++*facets;
+                } else if (!PBW_PUSH(&w->memory, w->cavity, n)) {
+                    return PBW_ERROR_MEMORY;
+                }
+            }
+        }
+    }
+    return PBW_OK;
+}
+
+/* Makes the tetrahedron of vertex p that replaces t, corner i's; links it to its neighbours so far. */
+static pbw_status pbwfill__make_tet(pbwfill__work *w, pbw_index t, unsigned i, pbw_index p)
+{
+    const pbw_index made = pbwfill__new_tet(w), outside = w->tets.at[t].n[i];
+    pbwfill__tet *m = w->tets.at + made;
+    unsigned k;
+    *m = w->tets.at[t];
+    m->v[i] = p;
+    if (outside != PBW_NONE) {
+        w->tets.at[outside].n[pbwfill__back(w->tets.at + outside, t)] = made;
+    }
+    for (k = 0; k < 4; k++) {
+        pbw_index a, b, *other;
+        w->at.at[m->v[k]] = made;
+        w->touched.at[m->v[k]] = 1;
+        if (k == i) {
+            continue;
+        }
+        a = m->v[(i + 1) % 4 == k ? (i + 2) % 4 : (i + 1) % 4];      /* the two corners beside i and k */
+        b = m->v[(i + 3) % 4 == k ? (i + 2) % 4 : (i + 3) % 4];
+        other = pbwfill__put(w, &w->table, a < b ? a : b, a < b ? b : a, PBW_NONE);
+        if (other == NULL) {
+            return PBW_ERROR_MEMORY;
+        }
+        if (*other != PBW_NONE) {
+            pbwfill__link(w, made, k, *other / 4, *other % 4);
+        }
+        *other = 4 * made + k;
+    }
+    return PBW_OK;
+}
+
+/* Inserts the vertex, which is in tetrahedron t. */
+static pbw_status pbwfill__insert(pbwfill__work *w, pbw_index vertex, pbw_index t)
+{
+    size_t i, facets;
+    unsigned k;
+    pbw_status status = pbwfill__find_cavity(w, t, pbwfill__at(w, vertex), &facets);
+    if (status == PBW_OK && !pbwfill__reserve(w, facets)) {
+        status = PBW_ERROR_MEMORY;
+    }
+    pbwfill__clear(&w->table);
+    for (i = 0; status == PBW_OK && i < w->cavity.count; i++) {
+        const pbw_index old = w->cavity.at[i];
+        for (k = 0; k < 4 && status == PBW_OK; k++) {
+            const pbw_index n = w->tets.at[old].n[k];
+            if (n == PBW_NONE || w->seen.at[n] != w->epoch) {
+                status = pbwfill__make_tet(w, old, k, vertex);
+            }
+        }
+    }
+    for (i = 0; status == PBW_OK && i < w->cavity.count; i++) {
+        status = pbwfill__drop_tet(w, w->cavity.at[i]) ? PBW_OK : PBW_ERROR_MEMORY;
+    }
+    return status;
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   >>segments     Points on segments until all of their pieces are edges.
+   In: the Delaunay triangulation of the vertices.  Out: one in which every piece of a segment is an edge.
+   A piece that is no edge is split near where Si's rules say (Si and Gaertner 2005, "Meshing piecewise linear
+   complexes by constrained Delaunay tetrahedralizations"): as far from an end as the point in its diametral ball that
+   sees it under the largest angle, or in the middle; from acute ends of the segment equally far as that point, so
+   that segments that meet at an acute angle have points at the same distances from their corner.
+   ------------------------------------------------------------------------------------------------------ */
+static double pbwfill__distance(const double *p, const double *q)
+{
+    const double x = p[0] - q[0], y = p[1] - q[1], z = p[2] - q[2];
+    return sqrt(x * x + y * y + z * z);
+}
+
+/* The tetrahedron at a that the way to b begins in: b is a corner of it if a and b have an edge.  The triangulation
+   must be Delaunay: there a walk that steps to facets that b is beyond comes nearer to b (Edelsbrunner 1990). */
+static pbw_index pbwfill__toward(const pbwfill__work *w, pbw_index a, pbw_index b)
+{
+    const double *target = pbwfill__at(w, b);
+    pbw_index t = w->at.at[a];
+    unsigned k = 0;
+    while (k < 4 && pbwfill__corner_of(w->tets.at + t, b) == 4) {
+        const pbwfill__tet *tet = w->tets.at + t;
+        for (k = 0; k < 4; k++) {
+            if (tet->v[k] != a && pbwfill__is_beyond(w, tet, k, target)) {
+                t = tet->n[k];
+                break;
+            }
+        }
+    }
+    return t;
+}
+
+/* Whether p, a different point, is exactly on the line through a and b. */
+static int pbwfill__is_on_line(const double *a, const double *b, const double *p)
+{
+    return pbwfill__axis_of(a, b, p) == 3;
+}
+
+/* The tetrahedron behind t, which has not b for a corner, on the segment from a to b: beyond a facet that the segment
+   meets and b is beyond. */
+static pbw_index pbwfill__step_along(const pbwfill__work *w, pbw_index t, pbw_index a, pbw_index b)
+{
+    const pbwfill__tet *tet = w->tets.at + t;
+    const double *p = pbwfill__at(w, a), *q = pbwfill__at(w, b);
+    unsigned i, k;
+    for (i = 0; i < 4; i++) {
+        int low = 0, high = 0;
+        if (!pbwfill__is_beyond(w, tet, i, q)) {
+            continue;
+        }
+        for (k = 0; k < 3; k++) {
+            const pbw_index u = tet->v[PBW_FACET_CORNER(i, k)], v = tet->v[PBW_FACET_CORNER(i, (k + 1) % 3)];
+            const int s = pbw_orient3(p, q, pbwfill__at(w, u), pbwfill__at(w, v));
+            low |= s < 0;
+            high |= s > 0;
+        }
+        if (!low || !high) {
+            return tet->n[i];
+        }
+    }
+    return PBW_NONE;
+}
+
+/* Of the corners of the tetrahedra that the piece passes, finds the one that sees it under the largest angle, at
+   least 90 degrees; PBW_NONE if there is none.  Of points on the piece it is the first one from a.  Returns 0 if the
+   piece is an edge. */
+static int pbwfill__find_reference(const pbwfill__work *w, const pbwfill__piece *piece, pbw_index *reference)
+{
+    const double *p = pbwfill__at(w, piece->a), *q = pbwfill__at(w, piece->b);
+    pbw_index t = pbwfill__toward(w, piece->a, piece->b);
+    double least = 0;
+    unsigned k;
+    *reference = PBW_NONE;
+    if (pbwfill__corner_of(w->tets.at + t, piece->b) < 4) {
+        return 0;
+    }
+    while (t != PBW_NONE) {
+        const pbwfill__tet *tet = w->tets.at + t;
+        for (k = 0; k < 4; k++) {
+            const double *r = pbwfill__at(w, tet->v[k]);
+            double cosine;
+            if (tet->v[k] == piece->a || tet->v[k] == piece->b) {
+                continue;
+            }
+            cosine = (p[0] - r[0]) * (q[0] - r[0]) + (p[1] - r[1]) * (q[1] - r[1]) + (p[2] - r[2]) * (q[2] - r[2]);
+            if (cosine > 0) {
+                continue;
+            }
+            if (cosine < 0 && pbwfill__is_on_line(p, q, r)) {
+                *reference = tet->v[k];
+                return 1;
+            }
+            cosine /= pbwfill__distance(p, r) * pbwfill__distance(q, r);
+            if (*reference == PBW_NONE || cosine < least
+                || (!(cosine > least) && tet->v[k] < *reference)) {
+                least = cosine;
+                *reference = tet->v[k];
+            }
+        }
+        t = pbwfill__corner_of(tet, piece->b) < 4 ? PBW_NONE : pbwfill__step_along(w, t, piece->a, piece->b);
+    }
+    return 1;
+}
+
+/* Where to split a piece, 0 to 1 from a to b. */
+static double pbwfill__split_at(const pbwfill__work *w, const pbwfill__piece *piece, pbw_index reference)
+{
+    const double *a = pbwfill__at(w, piece->a), *b = pbwfill__at(w, piece->b), *r = pbwfill__at(w, reference);
+    const double length = pbwfill__distance(a, b), to_a = pbwfill__distance(a, r), to_b = pbwfill__distance(b, r);
+    int acute[2], k;
+    for (k = 0; k < 2; k++) {
+        acute[k] = w->acute.at[piece->ends[k]];
+    }
+    if (acute[0] && acute[1]) {
+        const uint32_t half = 1u << (PBWFILL__STEPS - 1);
+        if (piece->from < half && piece->to > half) {
+            return 0.5;
+        }
+        acute[piece->from < half ? 1 : 0] = 0;
+    }
+    if (acute[0] || acute[1]) {
+        const double *c = pbwfill__at(w, piece->ends[acute[0] ? 0 : 1]), *near = acute[0] ? a : b;
+        const double *far = acute[0] ? b : a, t = (pbwfill__distance(c, r) - pbwfill__distance(c, near)) / length;
+        double x[3];
+        for (k = 0; k < 3; k++) {
+            x[k] = near[k] + t * (far[k] - near[k]);
+        }
+        return t >= 0.2 && t <= 0.8 && (1 - t) * length >= pbwfill__distance(x, r) ? (acute[0] ? t : 1 - t) : 0.5;
+    }
+    return 2 * to_a <= length ? to_a / length : 2 * to_b <= length ? 1 - to_b / length : 0.5;
+}
+
+/* Cuts piece i at a vertex, the place `at` between its ends.  Returns the new piece, behind it; PBW_NONE without
+   memory. */
+static pbw_index pbwfill__cut(pbwfill__work *w, pbw_index i, pbw_index vertex, uint32_t at)
+{
+    pbwfill__piece next = w->pieces.at[i];
+    const pbw_index made = (pbw_index)w->pieces.count;
+    next.a = vertex;
+    next.from = at;
+    if (!PBW_PUSH(&w->memory, w->pieces, next)) {
+        return PBW_NONE;
+    }
+    w->pieces.at[i].b = vertex;
+    w->pieces.at[i].to = at;
+    w->pieces.at[i].next = made;
+    return made;
+}
+
+/* Cuts piece i at a point of the input that lies on it: both parts have ends of their own then. */
+static pbw_index pbwfill__cut_at_input(pbwfill__work *w, pbw_index i, pbw_index vertex)
+{
+    const pbw_index made = pbwfill__cut(w, i, vertex, 0);
+    if (made != PBW_NONE) {
+        pbwfill__piece *p = w->pieces.at + i, *q = w->pieces.at + made;
+        p->ends[1] = q->ends[0] = vertex;
+        p->to = q->to = 1u << PBWFILL__STEPS;
+    }
+    return made;
+}
+
+/* Chooses the coarsest place near `want`, 0 to 1, in a piece, and adds the vertex there.  Returns its place; 0 if the
+   piece is too short, PBW_NONE without memory. */
+static uint32_t pbwfill__add_split(pbwfill__work *w, const pbwfill__piece *piece, double want, double near)
+{
+    const double span = (double)(piece->to - piece->from), middle = (double)piece->from + want * span;
+    const double *p = pbwfill__at(w, piece->ends[0]), *q = pbwfill__at(w, piece->ends[1]);
+    double x[3], at = 0;
+    int e, k;
+    for (e = PBWFILL__STEPS; e >= 0; e--) {
+        const double step = ldexp(1, e);
+        at = floor(middle / step + 0.5) * step;
+        if (fabs(at - middle) <= near * span && at > piece->from && at < piece->to) {
+            break;
+        }
+    }
+    if (e < 0 && !(at > piece->from && at < piece->to)) {
+        return 0;
+    }
+    for (k = 0; k < 3; k++) {
+        x[k] = p[k] + at * ldexp(1, -PBWFILL__STEPS) * (q[k] - p[k]);
+    }
+    return pbwfill__new_vertex(w, x) ? (uint32_t)at : PBW_NONE;
+}
+
+/* Splits piece i if it is no edge. */
+static pbw_status pbwfill__mend_piece(pbwfill__work *w, pbw_index i, pbwfill__indices *queue)
+{
+    pbw_index reference, made;
+    const pbwfill__piece piece = w->pieces.at[i];
+    const pbw_index vertex = (pbw_index)pbwfill__vertices(w);
+    double want = 0.5;
+    uint32_t at;
+    if (!pbwfill__find_reference(w, &piece, &reference)) {
+        return PBW_OK;
+    }
+    if (reference != PBW_NONE && pbwfill__is_on_line(pbwfill__at(w, piece.a), pbwfill__at(w, piece.b),
+                                                     pbwfill__at(w, reference))) {
+        if (reference >= w->inputs || piece.from > 0 || piece.to < 1u << PBWFILL__STEPS) {
+            return pbwfill__refuse(w, PBW_FILL_CROSSING, PBW_NONE, PBW_NONE);
+        }
+        made = pbwfill__cut_at_input(w, i, reference);
+    } else {
+        want = reference == PBW_NONE ? 0.5 : pbwfill__split_at(w, &piece, reference);
+        at = pbwfill__add_split(w, &piece, want, 0.04);
+        if (at == 0) {
+            return pbwfill__refuse(w, PBW_FILL_TOO_FINE, w->edges.at[piece.edge].a, w->edges.at[piece.edge].b);
+        }
+        made = at == PBW_NONE ? PBW_NONE : pbwfill__cut(w, i, vertex, at);
+        w->report->segment_points++;
+        if (made != PBW_NONE) {
+            const double *p = pbwfill__at(w, vertex);
+            const pbw_status status = pbwfill__insert(w, vertex, pbwfill__locate(w, w->at.at[piece.a], p));
+            if (status != PBW_OK) {
+                return status;
+            }
+        }
+        if ((double)w->report->segment_points > (w->how.most > 0 ? (double)w->how.most : 5e7)) {
+            return PBW_ERROR_TOO_LARGE;
+        }
+    }
+    return made != PBW_NONE && PBW_PUSH(&w->memory, *queue, i) && PBW_PUSH(&w->memory, *queue, made)
+         ? PBW_OK : PBW_ERROR_MEMORY;
+}
+
+/* Fills the queue with the pieces between touched vertices. */
+static int pbwfill__list_touched(pbwfill__work *w, pbwfill__indices *queue)
+{
+    size_t i;
+    queue->count = 0;
+    for (i = 0; i < w->pieces.count; i++) {
+        const pbwfill__piece *p = w->pieces.at + i;
+        if (w->touched.at[p->a] && w->touched.at[p->b] && !PBW_PUSH(&w->memory, *queue, (pbw_index)i)) {
+            return 0;
+        }
+    }
+    memset(w->touched.at, 0, w->touched.count);
+    return 1;
+}
+
+static pbw_status pbwfill__recover_segments(pbwfill__work *w)
+{
+    pbwfill__indices queue = { NULL, 0, 0 };
+    pbw_status status = PBW_OK;
+    size_t i, round;
+    pbw_index reference;
+    memset(w->touched.at, 1, w->touched.count);
+    for (i = 0; i < w->pieces.count; i++) {
+        w->report->missing_segments += (size_t)pbwfill__find_reference(w, w->pieces.at + i, &reference);
+    }
+    for (round = 0; status == PBW_OK; round++) {
+        if (!pbwfill__list_touched(w, &queue)) {
+            status = PBW_ERROR_MEMORY;
+        }
+        if (queue.count == 0) {
+            break;
+        }
+        for (i = 0; status == PBW_OK && i < queue.count; i++) {
+            status = pbwfill__tick(w, 1 - 1 / (1 + (double)round)) ? PBW_CANCELLED
+                   : pbwfill__mend_piece(w, queue.at[i], &queue);
+        }
+    }
+    PBW_RELEASE(&w->memory, queue);
+    return status;
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   >>cavities     One side of a facet's cavity, wrapped into tetrahedra.
+   In: faces, the boundary of a polyhedron but for its floor, which is in a plane; vertices.  Out: `made`, tetrahedra
+   that fill it, with links among themselves and in the faces; their faces in the plane.
+   The tetrahedron at an open face has the corner of which the sphere holds no other one that could be taken: the
+   constrained Delaunay triangulation (Shewchuk 1998, "A condition guaranteeing the existence of higher-dimensional
+   constrained Delaunay triangulations"), which is unique under the tie rule.
+   ------------------------------------------------------------------------------------------------------ */
+/* Whether the segment p-q, both in the triangle's plane and neither a corner, meets the triangle: one of its sides,
+   as no vertex is within a triangle; axis: to look along. */
+static int pbwfill__meets_in_plane(const double *p, const double *q, const double *const c[3], int axis)
+{
+    int i, k;
+    for (i = 0; i < 3; i++) {
+        const double *a = c[i], *b = c[(i + 1) % 3];
+        int apart = pbwfill__turn(p, q, a, axis) * pbwfill__turn(p, q, b, axis) > 0
+                 || pbwfill__turn(a, b, p, axis) * pbwfill__turn(a, b, q, axis) > 0;
+        for (k = 0; k < 3 && !apart; k++) {          /* on one line, too */
+            apart = fmax(p[k], q[k]) < fmin(a[k], b[k]) || fmax(a[k], b[k]) < fmin(p[k], q[k]);
+        }
+        if (!apart) {
+            return 1;
+        }
+    }
+    return 0;
+}
+
+/* Whether the edge p-q meets the triangle elsewhere than in a common corner or edge. */
+static int pbwfill__meets(const pbwfill__work *w, pbw_index p, pbw_index q, const pbw_index v[3])
+{
+    const double *a = pbwfill__at(w, p), *b = pbwfill__at(w, q), *c[3];
+    int k, first, second, low = 0, high = 0, common = 3;
+    for (k = 0; k < 3; k++) {
+        c[k] = pbwfill__at(w, v[k]);
+        if (v[k] == p || v[k] == q) {
+            if (common < 3) {
+                return 0;                            /* an edge of the triangle */
+            }
+            common = k;
+        }
+    }
+    if (common < 3) {
+        const double *far = v[common] == p ? b : a, *next = c[(common + 1) % 3], *last = c[(common + 2) % 3];
+        int axis, turn;
+        if (pbw_orient3(c[0], c[1], c[2], far) != 0) {
+            return 0;
+        }
+        axis = pbwfill__axis_of(c[0], c[1], c[2]);
+        turn = pbwfill__turn(c[common], next, last, axis);
+        return pbwfill__turn(c[common], next, far, axis) * turn >= 0
+            && pbwfill__turn(c[common], far, last, axis) * turn >= 0;
+    }
+    first = pbw_orient3(c[0], c[1], c[2], a);
+    second = pbw_orient3(c[0], c[1], c[2], b);
+    if (first * second > 0) {
+        return 0;
+    }
+    if (first == 0 && second == 0) {
+        return pbwfill__meets_in_plane(a, b, c, pbwfill__axis_of(c[0], c[1], c[2]));
+    }
+    for (k = 0; k < 3; k++) {
+        const int s = pbw_orient3(a, b, c[k], c[(k + 1) % 3]);
+        low |= s < 0;
+        high |= s > 0;
+    }
+    return !low || !high;
+}
+
+/* Whether the tetrahedron of a face and vertex d meets a face of the given side otherwise than the faces of a
+   triangulation do. */
+static int pbwfill__is_blocked(const pbwfill__work *w, const pbw_index v[3], pbw_index d, int side)
+{
+    const double *x = pbwfill__at(w, d);
+    double low[3], high[3];
+    size_t i;
+    int k, j;
+    for (k = 0; k < 3; k++) {
+        const double p = pbwfill__at(w, v[0])[k], q = pbwfill__at(w, v[1])[k], r = pbwfill__at(w, v[2])[k];
+        low[k] = fmin(fmin(p, q), fmin(r, x[k]));
+        high[k] = fmax(fmax(p, q), fmax(r, x[k]));
+    }
+    for (i = 0; i < w->faces.count; i++) {
+        const pbwfill__face *f = w->faces.at + i;
+        if (f->side != side || f->low[0] > high[0] || f->low[1] > high[1] || f->low[2] > high[2]
+            || f->high[0] < low[0] || f->high[1] < low[1] || f->high[2] < low[2]) {
+            continue;
+        }
+        for (k = 0; k < 3; k++) {
+            pbw_index flank[3];
+            flank[0] = v[k];
+            flank[1] = v[(k + 1) % 3];
+            flank[2] = d;
+            if (pbwfill__meets(w, v[k], d, f->v)) {
+                return 1;
+            }
+            for (j = 0; j < 3; j++) {
+                if (pbwfill__meets(w, f->v[j], f->v[(j + 1) % 3], flank)) {
+                    return 1;
+                }
+            }
+        }
+    }
+    return 0;
+}
+
+/* The corner for the tetrahedron at a face, among w->rest; PBW_NONE if there is none. */
+static pbw_index pbwfill__choose_corner(const pbwfill__work *w, const pbw_index v[3], int side)
+{
+    pbw_index best = PBW_NONE;
+    size_t i;
+    for (i = 0; i < w->rest.count; i++) {
+        const pbw_index d = w->rest.at[i];
+        if (w->sign.at[d] * side < 0 || d == v[0] || d == v[1] || d == v[2]
+            || pbwfill__orient(w, v[0], v[1], v[2], d) <= 0
+            || (best != PBW_NONE && !pbw_conflict3(pbwfill__at(w, v[0]), pbwfill__at(w, v[1]), pbwfill__at(w, v[2]),
+                                                   pbwfill__at(w, best), pbwfill__at(w, d), NULL))) {
+            continue;
+        }
+        best = pbwfill__is_blocked(w, v, d, side) ? best : d;
+    }
+    return best;
+}
+
+/* Returns the slot of an oriented face: its least id first. */
+static pbw_index *pbwfill__put_turned(pbwfill__work *w, const pbw_index v[3])
+{
+    const int k = v[0] < v[1] && v[0] < v[2] ? 0 : v[1] < v[2] ? 1 : 2;
+    return pbwfill__put(w, &w->table, v[k], v[(k + 1) % 3], v[(k + 2) % 3]);
+}
+
+/* Values of the table of open faces: a face of the boundary, 4 tets + corner of one between tetrahedra, or CLOSED. */
+#define PBWFILL__CLOSED 0xfffffffeu
+#define PBWFILL__BOUNDARY 0x80000000u
+
+/* Adds the tetrahedron of a face and vertex d; its faces close open ones, or become open.  floor: gets faces with all
+   corners in the plane. */
+static pbw_status pbwfill__add_tet(pbwfill__work *w, const pbw_index v[3], pbw_index d, pbwfill__indices *open,
+                                   pbwfill__indices *floor)
+{
+    const pbw_index made = (pbw_index)w->made.count;
+    pbwfill__tet tet;
+    unsigned i, k;
+    memset(&tet, 0xff, sizeof tet);                  /* PBW_NONE */
+    memcpy(tet.v, v, 3 * sizeof *v);
+    tet.v[3] = d;
+    if (!PBW_PUSH(&w->memory, w->made, tet)) {
+        return PBW_ERROR_MEMORY;
+    }
+    for (i = 0; i < 4; i++) {
+        pbw_index face[3], *slot;
+        for (k = 0; k < 3; k++) {                    /* seen from the tetrahedron, as those that it closes */
+            face[k] = tet.v[PBW_FACET_CORNER(i, 2 - k)];
+        }
+        if (w->sign.at[face[0]] == 0 && w->sign.at[face[1]] == 0 && w->sign.at[face[2]] == 0) {
+            if (!PBW_PUSH(&w->memory, *floor, 4 * made + i)) {
+                return PBW_ERROR_MEMORY;
+            }
+            continue;
+        }
+        slot = pbwfill__put_turned(w, face);
+        if (slot == NULL) {
+            return PBW_ERROR_MEMORY;
+        }
+        if (*slot == PBWFILL__CLOSED) {
+            return PBW_DEGENERATE;                   /* a second tetrahedron at one face */
+        }
+        if (*slot == PBW_NONE) {
+            *slot = PBWFILL__CLOSED;                 /* its other side is open now */
+            k = face[0], face[0] = face[1], face[1] = k;
+            slot = pbwfill__put_turned(w, face);
+            if (slot == NULL || !PBW_RESERVE(&w->memory, *open, 3)) {
+                return PBW_ERROR_MEMORY;
+            }
+            if (*slot != PBW_NONE) {
+                return PBW_DEGENERATE;
+            }
+            *slot = 4 * made + i;
+            memcpy(open->at + open->count, face, sizeof face);
+            open->count += 3;
+        } else {
+            if (*slot >= PBWFILL__BOUNDARY) {
+                pbwfill__face *f = w->faces.at + (*slot - PBWFILL__BOUNDARY);
+                f->tet = made;
+                f->corner = i;
+            } else {
+                w->made.at[made].n[i] = *slot;
+                w->made.at[*slot / 4].n[*slot % 4] = 4 * made + i;
+            }
+            *slot = PBWFILL__CLOSED;
+        }
+    }
+    return PBW_OK;
+}
+
+/* Fills one side of the cavity.  Returns PBW_DEGENERATE if that is impossible: the input crosses itself. */
+static pbw_status pbwfill__wrap(pbwfill__work *w, int side, size_t most, pbwfill__indices *floor)
+{
+    pbwfill__indices open = { NULL, 0, 0 };
+    pbw_status status = PBW_OK;
+    size_t i;
+    pbwfill__clear(&w->table);
+    for (i = 0; i < w->faces.count && status == PBW_OK; i++) {
+        const pbwfill__face *f = w->faces.at + i;
+        if (f->side == side) {
+            pbw_index *slot = pbwfill__put_turned(w, f->v);
+            if (slot == NULL || !PBW_RESERVE(&w->memory, open, 3)) {
+                status = PBW_ERROR_MEMORY;
+                break;
+            }
+            *slot = PBWFILL__BOUNDARY + (pbw_index)i;
+            memcpy(open.at + open.count, f->v, sizeof f->v);
+            open.count += 3;
+        }
+    }
+    while (status == PBW_OK && open.count > 0) {
+        pbw_index v[3], corner;
+        open.count -= 3;
+        memcpy(v, open.at + open.count, sizeof v);
+        if (*pbwfill__put_turned(w, v) == PBWFILL__CLOSED) {         /* it is there, so nothing is allocated */
+            continue;
+        }
+        corner = w->made.count < most ? pbwfill__choose_corner(w, v, side) : PBW_NONE;
+        status = pbwfill__tick(w, 0) ? PBW_CANCELLED : corner == PBW_NONE ? PBW_DEGENERATE
+               : pbwfill__add_tet(w, v, corner, &open, floor);
+    }
+    PBW_RELEASE(&w->memory, open);
+    return status;
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   >>facets       Each facet found in the triangulation, or made there.
+   In: a triangulation in which all pieces of segments are edges.  Out: the constrained Delaunay triangulation, with
+   the facets in `wall`.
+   A facet is walked over from its border: at each edge, the half-plane of the facet either is a face of the
+   triangulation or passes between two corners.  Then the tetrahedra that the plane cuts are replaced, on both sides.
+   ------------------------------------------------------------------------------------------------------ */
+/* Of the ends i and j of an edge and the others k and l of a tetrahedron, k: i j k l is an even permutation. */
+static const unsigned char pbwfill__third[4][4] = { { 4, 2, 3, 1 }, { 3, 4, 0, 2 }, { 1, 3, 4, 0 }, { 2, 0, 1, 4 } };
+
+typedef struct pbwfill__plane { pbw_index v[3], facet; } pbwfill__plane;
+
+/* The side of the facet's plane that v is on, remembered under the epoch of vertices. */
+static int pbwfill__side_of(pbwfill__work *w, const pbwfill__plane *plane, pbw_index v)
+{
+    if (w->seen_vertex.at[v] != plane->facet + 1) {
+        w->seen_vertex.at[v] = plane->facet + 1;
+        w->sign.at[v] = (signed char)pbwfill__orient(w, plane->v[0], plane->v[1], plane->v[2], v);
+    }
+    return w->sign.at[v];
+}
+
+/* Returns a tetrahedron with both vertices, of the star of u; PBW_NONE if they have no edge or memory is short. */
+static pbw_index pbwfill__with_edge(pbwfill__work *w, pbw_index u, pbw_index v)
+{
+    size_t i;
+    unsigned k;
+    w->epoch += 2;
+    w->rest.count = 0;
+    w->seen.at[w->at.at[u]] = w->epoch;
+    if (!PBW_PUSH(&w->memory, w->rest, w->at.at[u])) {
+        return PBW_NONE;
+    }
+    for (i = 0; i < w->rest.count; i++) {
+        const pbwfill__tet *t = w->tets.at + w->rest.at[i];
+        if (pbwfill__corner_of(t, v) < 4) {
+            return w->rest.at[i];
+        }
+        for (k = 0; k < 4; k++) {
+            if (t->v[k] != u && t->n[k] != PBW_NONE && w->seen.at[t->n[k]] != w->epoch) {
+                w->seen.at[t->n[k]] = w->epoch;
+                if (!PBW_PUSH(&w->memory, w->rest, t->n[k])) {
+                    return PBW_NONE;
+                }
+            }
+        }
+    }
+    return PBW_NONE;
+}
+
+/* What the facet's half-plane to the left of u-v, seen from above, is: the face of tetrahedron *t across from corner
+   *corner, returns 1; or it cuts *t, returns 0; -1: there is no such edge. */
+static int pbwfill__look_left(pbwfill__work *w, const pbwfill__plane *plane, pbw_index u, pbw_index v, pbw_index *t,
+                              unsigned *corner)
+{
+    const pbw_index start = *t;
+    do {
+        const pbwfill__tet *tet = w->tets.at + *t;
+        const unsigned i = pbwfill__corner_of(tet, u), j = pbwfill__corner_of(tet, v);
+        const unsigned k = pbwfill__third[i][j], l = 6 - i - j - k;
+        const int c = pbwfill__side_of(w, plane, tet->v[k]), d = pbwfill__side_of(w, plane, tet->v[l]);
+        if (c < 0 && d > 0) {
+            return 0;
+        }
+        if ((c < 0 && d == 0) || (c == 0 && d > 0)) {
+            *corner = d == 0 ? k : l;
+            return 1;
+        }
+        *t = tet->n[k];                              /* across the face with l */
+    } while (*t != start && *t != PBW_NONE);
+    return -1;
+}
+
+/* Lists the tetrahedra that the plane cuts, from t: across faces with corners on both sides. */
+static pbw_status pbwfill__find_cut(pbwfill__work *w, const pbwfill__plane *plane, pbw_index t)
+{
+    size_t i;
+    unsigned k, j;
+    w->epoch += 2;
+    w->cavity.count = 0;
+    w->seen.at[t] = w->epoch;
+    if (!PBW_PUSH(&w->memory, w->cavity, t)) {
+        return PBW_ERROR_MEMORY;
+    }
+    for (i = 0; i < w->cavity.count; i++) {
+        const pbwfill__tet tet = w->tets.at[w->cavity.at[i]];
+        for (k = 0; k < 4; k++) {
+            int above = 0, below = 0;
+            for (j = 0; j < 3; j++) {
+                const pbw_index u = tet.v[PBW_FACET_CORNER(k, j)], v = tet.v[PBW_FACET_CORNER(k, (j + 1) % 3)];
+                const int s = pbwfill__side_of(w, plane, u);
+                above |= s > 0;
+                below |= s < 0;
+                if (s * pbwfill__side_of(w, plane, v) < 0
+                    && pbwfill__look_up(&w->segments, u < v ? u : v, u < v ? v : u, PBW_NONE) != PBW_NONE) {
+                    return pbwfill__refuse(w, PBW_FILL_CROSSING, w->members.at[
+                                           w->facet_first.at[plane->facet]], PBW_NONE);
+                }
+            }
+            if (!above || !below || tet.n[k] == PBW_NONE) {
+                continue;
+            }
+            if (tet.wall[k] != PBW_NONE) {
+                return pbwfill__refuse(w, PBW_FILL_CROSSING, w->members.at[w->facet_first.at[plane->facet]],
+                                       w->members.at[w->facet_first.at[tet.wall[k]]]);
+            }
+            if (w->seen.at[tet.n[k]] != w->epoch) {
+                w->seen.at[tet.n[k]] = w->epoch;
+                if (!PBW_PUSH(&w->memory, w->cavity, tet.n[k])) {
+                    return PBW_ERROR_MEMORY;
+                }
+            }
+        }
+    }
+    return PBW_OK;
+}
+
+/* Lists the faces and the vertices of the cavity. */
+static int pbwfill__list_faces(pbwfill__work *w)
+{
+    size_t i;
+    unsigned k, j;
+    w->faces.count = w->rest.count = 0;
+    pbwfill__clear(&w->table);
+    for (i = 0; i < w->cavity.count; i++) {
+        const pbw_index t = w->cavity.at[i];
+        const pbwfill__tet *tet = w->tets.at + t;
+        for (k = 0; k < 4; k++) {
+            const int inner = tet->n[k] != PBW_NONE && w->seen.at[tet->n[k]] == w->epoch;
+            pbw_index *vertex = pbwfill__put(w, &w->table, tet->v[k], PBW_NONE, PBW_NONE);
+            pbwfill__face f;
+            if (vertex == NULL || (*vertex == PBW_NONE && !PBW_PUSH(&w->memory, w->rest, tet->v[k]))) {
+                return 0;
+            }
+            *vertex = 0;
+            if (inner && tet->wall[k] == PBW_NONE) {
+                continue;
+            }
+            memset(&f, 0, sizeof f);
+            f.outside = inner ? PBW_NONE : tet->n[k];
+            f.back = f.outside == PBW_NONE ? 0 : pbwfill__back(w->tets.at + f.outside, t);
+            f.wall = tet->wall[k];
+            f.tet = PBW_NONE;
+            for (j = 0; j < 3; j++) {
+                const double *x;
+                int c;
+                f.v[j] = tet->v[PBW_FACET_CORNER(k, 2 - j)];
+                f.side = w->sign.at[f.v[j]] != 0 ? w->sign.at[f.v[j]] : f.side;
+                x = pbwfill__at(w, f.v[j]);
+                for (c = 0; c < 3; c++) {
+                    f.low[c] = j == 0 ? x[c] : fmin(f.low[c], x[c]);
+                    f.high[c] = j == 0 ? x[c] : fmax(f.high[c], x[c]);
+                }
+            }
+            if (!PBW_PUSH(&w->memory, w->faces, f)) {
+                return 0;
+            }
+        }
+    }
+    return 1;
+}
+
+/* Links corner i of the new tetrahedron t to the one that is there under the key of the face, or puts it there. */
+static int pbwfill__pair_up(pbwfill__work *w, pbw_index t, unsigned i)
+{
+    const pbwfill__tet *tet = w->tets.at + t;
+    pbw_index *other = pbwfill__put_sorted(w, &w->table, tet->v[PBW_FACET_CORNER(i, 0)],
+                                           tet->v[PBW_FACET_CORNER(i, 1)], tet->v[PBW_FACET_CORNER(i, 2)]);
+    if (other == NULL) {
+        return 0;
+    }
+    if (*other == PBW_NONE) {
+        *other = 4 * t + i;
+    } else {
+        pbwfill__link(w, t, i, *other / 4, *other % 4);
+    }
+    return 1;
+}
+
+/* Puts the tetrahedra made in the place of the cavity; floor: their faces on the facet, those above first. */
+static pbw_status pbwfill__replace(pbwfill__work *w, pbw_index facet, const pbwfill__indices *floor)
+{
+    size_t i;
+    unsigned k;
+    pbwfill__indices places = { NULL, 0, 0 };
+    int good = pbwfill__reserve(w, w->made.count) && PBW_ZEROS(&w->memory, places, w->made.count)
+            && PBW_RESERVE(&w->memory, w->unused, w->cavity.count);
+    for (i = 0; good && i < w->made.count; i++) {
+        places.at[i] = pbwfill__new_tet(w);
+    }
+    for (i = 0; good && i < w->made.count; i++) {
+        pbwfill__tet *t = w->tets.at + places.at[i];
+        *t = w->made.at[i];
+        for (k = 0; k < 4; k++) {
+            t->n[k] = t->n[k] == PBW_NONE ? PBW_NONE : places.at[t->n[k] / 4];
+            w->at.at[t->v[k]] = places.at[i];
+        }
+    }
+    pbwfill__clear(&w->table);
+    for (i = 0; good && i < w->faces.count; i++) {
+        const pbwfill__face *f = w->faces.at + i;
+        const pbw_index t = places.at[f->tet];
+        w->tets.at[t].wall[f->corner] = f->wall;
+        if (f->outside != PBW_NONE) {
+            pbwfill__link(w, t, f->corner, f->outside, f->back);
+        } else if (f->wall != PBW_NONE) {            /* of a face with the cavity on both sides */
+            good = pbwfill__pair_up(w, t, f->corner);
+        }
+    }
+    for (i = 0; good && i < floor->count; i++) {
+        const pbw_index t = places.at[floor->at[i] / 4];
+        w->tets.at[t].wall[floor->at[i] % 4] = facet;
+        good = pbwfill__pair_up(w, t, floor->at[i] % 4);
+    }
+    for (i = 0; good && i < w->cavity.count; i++) {
+        good = pbwfill__drop_tet(w, w->cavity.at[i]);
+    }
+    PBW_RELEASE(&w->memory, places);
+    return good ? PBW_OK : PBW_ERROR_MEMORY;
+}
+
+/* Whether the faces above and below are the same. */
+static int pbwfill__floors_agree(pbwfill__work *w, const pbwfill__indices *floor, size_t above)
+{
+    size_t i;
+    if (floor->count != 2 * above) {
+        return 0;
+    }
+    pbwfill__clear(&w->table);
+    for (i = 0; i < floor->count; i++) {
+        const pbwfill__tet *t = w->made.at + floor->at[i] / 4;
+        const unsigned k = floor->at[i] % 4;
+        pbw_index *slot = pbwfill__put_sorted(w, &w->table, t->v[PBW_FACET_CORNER(k, 0)],
+                                              t->v[PBW_FACET_CORNER(k, 1)], t->v[PBW_FACET_CORNER(k, 2)]);
+        if (slot == NULL || (i < above) != (*slot == PBW_NONE)) {
+            return 0;
+        }
+        *slot = 0;
+    }
+    return 1;
+}
+
+/* Replaces the tetrahedra that the plane cuts, from t on, by others that have the facet's faces. */
+static pbw_status pbwfill__fill_cut(pbwfill__work *w, const pbwfill__plane *plane, pbw_index t)
+{
+    pbwfill__indices floor = { NULL, 0, 0 };
+    pbw_status status = pbwfill__find_cut(w, plane, t);
+    size_t above = 0, most;
+    if (status == PBW_OK && !pbwfill__list_faces(w)) {
+        status = PBW_ERROR_MEMORY;
+    }
+    w->made.count = 0;
+    most = w->rest.count * w->rest.count + 100;      /* more than any triangulation of them has */
+    status = status != PBW_OK ? status : pbwfill__wrap(w, 1, most, &floor);
+    above = floor.count;
+    status = status != PBW_OK ? status : pbwfill__wrap(w, -1, most, &floor);
+    if (status == PBW_OK && !pbwfill__floors_agree(w, &floor, above)) {
+        status = PBW_DEGENERATE;
+    }
+    status = status != PBW_OK ? status : pbwfill__replace(w, plane->facet, &floor);
+    PBW_RELEASE(&w->memory, floor);
+    if (status == PBW_DEGENERATE && w->report->refusal == PBW_FILL_FILLED) {
+        return pbwfill__refuse(w, PBW_FILL_CROSSING, w->members.at[w->facet_first.at[plane->facet]], PBW_NONE);
+    }
+    return status;
+}
+
+typedef struct pbwfill__side { pbw_index u, v, tet; } pbwfill__side;     /* the facet is to the left of u-v */
+typedef PBW_ARRAY(pbwfill__side) pbwfill__walk;
+
+/* Adds side u-v to the border of the facet, and to what is to be looked at. */
+static int pbwfill__add_border(pbwfill__work *w, pbwfill__walk *walk, pbw_index u, pbw_index v)
+{
+    pbwfill__side side;
+    pbw_index *border = pbwfill__put(w, &w->borders, u, v, PBW_NONE);
+    side.u = u;
+    side.v = v;
+    side.tet = PBW_NONE;
+    return border != NULL && (*border = 0, PBW_PUSH(&w->memory, *walk, side) != 0);
+}
+
+/* Lists the pieces at the border of the facet. */
+static int pbwfill__list_border(pbwfill__work *w, const pbwfill__plane *plane, pbwfill__walk *walk)
+{
+    const double *p[3];
+    int axis, turn, k;
+    size_t i;
+    for (k = 0; k < 3; k++) {
+        p[k] = pbwfill__at(w, plane->v[k]);
+    }
+    axis = pbwfill__axis_of(p[0], p[1], p[2]);
+    turn = pbwfill__turn(p[0], p[1], p[2], axis);
+    pbwfill__clear(&w->borders);
+    pbwfill__clear(&w->covered);
+    for (i = w->facet_first.at[plane->facet]; i < w->facet_first.at[plane->facet + 1]; i++) {
+        const size_t t = 3 * (size_t)w->members.at[i];
+        const pbw_index *c = w->corners.at + t;
+        const int same = turn == pbwfill__turn(pbwfill__at(w, c[0]), pbwfill__at(w, c[1]), pbwfill__at(w, c[2]),
+                                               axis);
+        for (k = 0; k < 3; k++) {
+            const pbwfill__edge *e = w->edges.at + w->edge_of.at[t + (size_t)k];
+            const pbw_index from = c[(k + (same ? 1 : 2)) % 3];
+            pbw_index piece;
+            for (piece = e->piece; piece != PBW_NONE; piece = w->pieces.at[piece].next) {
+                const pbwfill__piece *s = w->pieces.at + piece;
+                if (!pbwfill__add_border(w, walk, from == e->a ? s->a : s->b, from == e->a ? s->b : s->a)) {
+                    return 0;
+                }
+            }
+        }
+    }
+    return 1;
+}
+
+/* Marks the face to the left of a side, in its tetrahedron across from a corner, as the facet's, on both sides;
+   queues what is beyond the face's edges. */
+static int pbwfill__take_face(pbwfill__work *w, const pbwfill__plane *plane, const pbwfill__side *side,
+                              unsigned corner, pbwfill__walk *walk)
+{
+    pbwfill__tet *tet = w->tets.at + side->tet;
+    const pbw_index next = tet->n[corner];
+    const unsigned i = pbwfill__corner_of(tet, side->u), j = pbwfill__corner_of(tet, side->v);
+    pbw_index v[3];
+    int k;
+    v[0] = side->u;
+    v[1] = side->v;
+    v[2] = tet->v[6 - i - j - corner];
+    tet->wall[corner] = plane->facet;
+    w->tets.at[next].wall[pbwfill__back(w->tets.at + next, side->tet)] = plane->facet;
+    for (k = 0; k < 3; k++) {
+        const pbw_index a = v[k], b = v[(k + 1) % 3];
+        pbwfill__side beyond;
+        pbw_index *covered = pbwfill__put(w, &w->covered, a, b, PBW_NONE);
+        if (covered == NULL) {
+            return 0;
+        }
+        *covered = 0;
+        beyond.u = b;
+        beyond.v = a;
+        beyond.tet = side->tet;
+        if (pbwfill__look_up(&w->borders, a, b, PBW_NONE) == PBW_NONE
+            && pbwfill__look_up(&w->covered, b, a, PBW_NONE) == PBW_NONE && !PBW_PUSH(&w->memory, *walk, beyond)) {
+            return 0;
+        }
+    }
+    return 1;
+}
+
+/* Makes all faces of a facet; *missing: some were not there. */
+static pbw_status pbwfill__recover_facet(pbwfill__work *w, pbw_index facet, pbwfill__walk *walk, int *missing)
+{
+    const pbw_index *c = w->corners.at + 3 * (size_t)w->members.at[w->facet_first.at[facet]];
+    pbwfill__plane plane;
+    memcpy(plane.v, c, sizeof plane.v);
+    plane.facet = facet;
+    walk->count = 0;
+    if (!pbwfill__list_border(w, &plane, walk)) {
+        return PBW_ERROR_MEMORY;
+    }
+    while (walk->count > 0) {
+        pbwfill__side side = walk->at[--walk->count];
+        unsigned corner = 0;
+        int found = 0;
+        if (pbwfill__look_up(&w->covered, side.u, side.v, PBW_NONE) != PBW_NONE) {
+            continue;
+        }
+        if (side.tet == PBW_NONE || pbwfill__corner_of(w->tets.at + side.tet, side.u) == 4
+            || pbwfill__corner_of(w->tets.at + side.tet, side.v) == 4 || w->tets.at[side.tet].v[0] == PBW_NONE) {
+            side.tet = pbwfill__with_edge(w, side.u, side.v);
+        }
+        found = side.tet == PBW_NONE ? -1 : pbwfill__look_left(w, &plane, side.u, side.v, &side.tet, &corner);
+        if (found < 0) {
+            return pbwfill__refuse(w, PBW_FILL_CROSSING, w->members.at[w->facet_first.at[facet]], PBW_NONE);
+        }
+        if (found == 0) {
+            const pbw_status status = pbwfill__fill_cut(w, &plane, side.tet);
+            *missing = 1;
+            side.tet = PBW_NONE;
+            if (status != PBW_OK) {
+                return status;
+            }
+            if (!PBW_PUSH(&w->memory, *walk, side)) {
+                return PBW_ERROR_MEMORY;
+            }
+        } else if (!pbwfill__take_face(w, &plane, &side, corner, walk)) {
+            return PBW_ERROR_MEMORY;
+        }
+    }
+    return PBW_OK;
+}
+
+static pbw_status pbwfill__recover_facets(pbwfill__work *w)
+{
+    pbwfill__walk walk = { NULL, 0, 0 };
+    pbw_status status = PBW_OK;
+    size_t i;
+    memset(w->seen_vertex.at, 0, w->seen_vertex.count * sizeof *w->seen_vertex.at);
+    for (i = 0; i < w->pieces.count && status == PBW_OK; i++) {
+        const pbwfill__piece *p = w->pieces.at + i;
+        pbw_index *slot = pbwfill__put(w, &w->segments, p->a < p->b ? p->a : p->b, p->a < p->b ? p->b : p->a,
+                                       PBW_NONE);
+        if (slot == NULL) {
+            status = PBW_ERROR_MEMORY;
+        } else {
+            *slot = (pbw_index)i;
+        }
+    }
+    for (i = 0; i < w->report->facets && status == PBW_OK; i++) {
+        int missing = 0;
+        status = pbwfill__tick(w, (double)i / (double)w->report->facets) ? PBW_CANCELLED
+               : pbwfill__recover_facet(w, (pbw_index)i, &walk, &missing);
+        w->report->missing_facets += (size_t)missing;
+    }
+    PBW_RELEASE(&w->memory, walk);
+    return status;
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   >>regions      What the facets enclose.
+   In: the constrained triangulation.  Out: a region of each tetrahedron, PBW_NONE: not kept.
+   Holds: a component is what faces that are no walls connect; a body is what edges connect of the surface.  Of the
+   components at a body one lies around it, and is reached first from outside; the others are one deeper than that.
+   ------------------------------------------------------------------------------------------------------ */
+typedef struct pbwfill__component { pbw_index heads, depth, seed; uint64_t key; } pbwfill__component;
+typedef struct pbwfill__contact { pbw_index body, other, next; } pbwfill__contact;   /* of a component: what is beyond
+                                                                                        a face, and the body there */
+typedef struct pbwfill__map {
+    PBW_ARRAY(pbwfill__component) components;        /* the first is outside */
+    PBW_ARRAY(pbwfill__contact) contacts;
+    pbwfill__indices body;                           /* of each triangle */
+    pbwfill__indices around;                         /* of each body: the component around it */
+} pbwfill__map;
+
+/* Numbers components in w->region, the one of tetrahedron `first` first. */
+static pbw_status pbwfill__find_components(pbwfill__work *w, pbwfill__map *map, pbw_index first)
+{
+    size_t i;
+    w->rest.count = 0;
+    if (!PBW_FIT(&w->memory, w->region, w->tets.count)) {
+        return PBW_ERROR_MEMORY;
+    }
+    w->region.count = w->tets.count;
+    memset(w->region.at, 0xff, w->tets.count * sizeof *w->region.at);         /* PBW_NONE */
+    for (i = 0; i <= w->tets.count; i++) {
+        const pbw_index start = i == 0 ? first : (pbw_index)(i - 1), number = (pbw_index)map->components.count;
+        pbwfill__component c;
+        if (w->tets.at[start].v[0] == PBW_NONE || w->region.at[start] != PBW_NONE) {
+            continue;
+        }
+        c.heads = c.depth = c.seed = PBW_NONE;
+        c.key = UINT64_MAX;
+        w->region.at[start] = number;
+        if (!PBW_PUSH(&w->memory, map->components, c) || !PBW_PUSH(&w->memory, w->rest, start)) {
+            return PBW_ERROR_MEMORY;
+        }
+        while (w->rest.count > 0) {
+            const pbwfill__tet *t = w->tets.at + w->rest.at[--w->rest.count];
+            int k;
+            for (k = 0; k < 4; k++) {
+                if (t->n[k] != PBW_NONE && t->wall[k] == PBW_NONE && w->region.at[t->n[k]] == PBW_NONE) {
+                    w->region.at[t->n[k]] = number;
+                    if (!PBW_PUSH(&w->memory, w->rest, t->n[k])) {
+                        return PBW_ERROR_MEMORY;
+                    }
+                }
+            }
+        }
+    }
+    return PBW_OK;
+}
+
+/* Joins triangles over edges to bodies, and lists the contacts of components. */
+static pbw_status pbwfill__find_contacts(pbwfill__work *w, pbwfill__map *map)
+{
+    const size_t triangles = w->corners.count / 3;
+    size_t i, j;
+    unsigned k;
+    if (!PBW_ZEROS(&w->memory, map->body, triangles + 1) || !PBW_FIT(&w->memory, map->around, triangles + 1)) {
+        return PBW_ERROR_MEMORY;
+    }
+    memset(map->around.at, 0xff, (triangles + 1) * sizeof *map->around.at);    /* PBW_NONE */
+    for (i = 0; i < triangles; i++) {
+        map->body.at[i] = (pbw_index)i;
+    }
+    for (i = 0; i < w->edges.count; i++) {
+        for (j = 1; j < w->edges.at[i].count; j++) {
+            const pbw_index *side = w->sides.at + w->edges.at[i].first;
+            const pbw_index p = pbwfill__root(map->body.at, side[0] / 3);
+            const pbw_index q = pbwfill__root(map->body.at, side[j] / 3);
+            map->body.at[p < q ? q : p] = p < q ? p : q;
+        }
+    }
+    for (i = 0; i < w->tets.count; i++) {
+        const pbwfill__tet *t = w->tets.at + i;
+        for (k = 0; t->v[0] != PBW_NONE && k < 4; k++) {
+            pbwfill__component *c = map->components.at + w->region.at[i];
+            pbwfill__contact contact;
+            pbw_index member;
+            uint64_t key;
+            if (t->wall[k] == PBW_NONE) {
+                continue;
+            }
+            member = w->members.at[w->facet_first.at[t->wall[k]]];
+            contact.body = pbwfill__root(map->body.at, member);
+            contact.other = w->region.at[t->n[k]];
+            contact.next = c->heads;
+            c->heads = (pbw_index)map->contacts.count;
+            key = 2 * (uint64_t)member;
+            if (key <= c->key) {
+                const pbw_index *v = w->corners.at + 3 * (size_t)member;
+                key += pbwfill__orient(w, v[0], v[1], v[2], t->v[k]) > 0;
+                c->key = key < c->key ? key : c->key;
+            }
+            if (!PBW_PUSH(&w->memory, map->contacts, contact)) {
+                return PBW_ERROR_MEMORY;
+            }
+        }
+    }
+    return PBW_OK;
+}
+
+/* Finds how deep each component is, from outside inward. */
+static pbw_status pbwfill__find_depths(pbwfill__work *w, pbwfill__map *map)
+{
+    size_t i;
+    w->rest.count = 0;
+    map->components.at[0].depth = 0;
+    if (!PBW_PUSH(&w->memory, w->rest, 0)) {
+        return PBW_ERROR_MEMORY;
+    }
+    for (i = 0; i < w->rest.count; i++) {
+        const pbw_index c = w->rest.at[i];
+        pbw_index at;
+        for (at = map->components.at[c].heads; at != PBW_NONE; at = map->contacts.at[at].next) {
+            const pbwfill__contact *contact = map->contacts.at + at;
+            pbw_index *around = map->around.at + contact->body;
+            pbwfill__component *other = map->components.at + contact->other;
+            *around = *around == PBW_NONE ? c : *around;
+            if (other->depth == PBW_NONE) {
+                other->depth = map->components.at[c].depth + (*around == c);
+                if (!PBW_PUSH(&w->memory, w->rest, contact->other)) {
+                    return PBW_ERROR_MEMORY;
+                }
+            }
+        }
+    }
+    return PBW_OK;
+}
+
+/* Finds the components of seeds. */
+static pbw_status pbwfill__take_seeds(pbwfill__work *w, pbwfill__map *map)
+{
+    size_t i, k;
+    for (i = 0; i < w->input->seed_count; i++) {
+        double p[3];
+        int inside = 1;
+        unsigned j;
+        for (k = 0; k < 3; k++) {
+            const double y = pbwfill__scaled(w->input->seeds[3 * i + k], -w->exponent);
+            p[k] = (y - w->origin[k]) / w->unit;
+            inside &= p[k] >= -ldexp(1, 30) && p[k] <= ldexp(3, 29);
+        }
+        if (!inside) {
+            return pbwfill__refuse(w, PBW_FILL_SEED, (pbw_index)i, PBW_NONE);
+        } else {
+            const pbw_index t = pbwfill__locate(w, w->at.at[w->inputs], p);
+            pbw_index *seed = &map->components.at[w->region.at[t]].seed;
+            for (j = 0; j < 4; j++) {
+                const pbwfill__tet *tet = w->tets.at + t;
+                const double *a = pbwfill__at(w, tet->v[PBW_FACET_CORNER(j, 0)]);
+                const double *b = pbwfill__at(w, tet->v[PBW_FACET_CORNER(j, 1)]);
+                if (tet->wall[j] != PBW_NONE
+                    && pbw_orient3(a, b, pbwfill__at(w, tet->v[PBW_FACET_CORNER(j, 2)]), p) == 0) {
+                    return pbwfill__refuse(w, PBW_FILL_SEED, (pbw_index)i, PBW_NONE);
+                }
+            }
+            if (*seed != PBW_NONE && w->input->seed_regions != NULL
+                && w->input->seed_regions[*seed] != w->input->seed_regions[i]) {
+                return pbwfill__refuse(w, PBW_FILL_SEED, (pbw_index)i, *seed);
+            }
+            *seed = *seed == PBW_NONE ? (pbw_index)i : *seed;
+        }
+    }
+    return PBW_OK;
+}
+
+/* Decides which components are kept, and numbers them: seeds say so; others, in the order of their first triangles,
+   get the numbers behind those of the seeds; the outside comes last. */
+static pbw_status pbwfill__number_regions(pbwfill__work *w, pbwfill__map *map, pbwfill__indices *number)
+{
+    const size_t count = map->components.count;
+    PBW_ARRAY(uint64_t) keys = { NULL, 0, 0 };
+    pbwfill__indices order = { NULL, 0, 0 };
+    pbw_status status = PBW_ERROR_MEMORY;
+    pbw_index next = 0;
+    size_t i;
+    if (PBW_FIT(&w->memory, keys, count) && PBW_FIT(&w->memory, order, count)
+        && PBW_ZEROS(&w->memory, *number, count)) {
+        for (i = 0; i < count; i++) {
+            keys.at[i] = i == 0 ? UINT64_MAX : map->components.at[i].key;
+        }
+        status = pbw_sort(keys.at, count, pbwfill__inner_options(w), order.at);
+    }
+    for (i = 0; status == PBW_OK && i < w->input->seed_count && w->input->seed_regions != NULL; i++) {
+        const pbw_index region = w->input->seed_regions[i];
+        next = region != PBW_NONE && region >= next ? region + 1 : next;
+    }
+    for (i = 0; status == PBW_OK && i < count; i++) {
+        const pbwfill__component *c = map->components.at + order.at[i];
+        const int kept = order.at[i] == 0 ? w->how.outside : w->how.nested || c->depth % 2 == 1 || w->how.outside;
+        pbw_index *to = number->at + order.at[i];
+        if (c->seed != PBW_NONE && w->input->seed_regions != NULL) {
+            *to = w->input->seed_regions[c->seed];
+        } else {
+            *to = kept || c->seed != PBW_NONE ? next++ : PBW_NONE;
+        }
+        w->report->regions += *to != PBW_NONE;
+    }
+    PBW_RELEASE(&w->memory, keys);
+    PBW_RELEASE(&w->memory, order);
+    return status;
+}
+
+/* Refuses facets that bound no region. */
+static pbw_status pbwfill__check_closed(pbwfill__work *w)
+{
+    pbw_status status = PBW_OK;
+    size_t i;
+    int k;
+    pbwfill__clear(&w->covered);
+    for (i = 0; i < w->tets.count; i++) {
+        const pbwfill__tet *t = w->tets.at + i;
+        for (k = 0; t->v[0] != PBW_NONE && k < 4; k++) {
+            if (t->wall[k] != PBW_NONE && t->n[k] < i && w->region.at[i] == PBW_NONE
+                && w->region.at[t->n[k]] == PBW_NONE) {
+                const pbw_index triangle = w->members.at[w->facet_first.at[t->wall[k]]];
+                pbw_index *told = pbwfill__put(w, &w->covered, triangle, PBW_NONE, PBW_NONE);
+                if (told == NULL) {
+                    return PBW_ERROR_MEMORY;
+                }
+                if (*told == PBW_NONE) {
+                    status = pbwfill__refuse(w, PBW_FILL_OPEN, triangle, PBW_NONE);
+                    *told = 0;
+                }
+            }
+        }
+    }
+    if (status == PBW_OK && w->report->regions == 0) {
+        status = pbwfill__refuse(w, PBW_FILL_EMPTY, PBW_NONE, PBW_NONE);
+    }
+    return status;
+}
+
+static pbw_status pbwfill__find_regions(pbwfill__work *w)
+{
+    pbwfill__map map;
+    pbwfill__indices number = { NULL, 0, 0 };
+    pbw_status status;
+    size_t i;
+    memset(&map, 0, sizeof map);
+    status = pbwfill__find_components(w, &map, w->at.at[w->inputs]);
+    status = status != PBW_OK ? status : pbwfill__find_contacts(w, &map);
+    status = status != PBW_OK ? status : pbwfill__find_depths(w, &map);
+    status = status != PBW_OK ? status : pbwfill__take_seeds(w, &map);
+    status = status != PBW_OK ? status : pbwfill__number_regions(w, &map, &number);
+    for (i = 0; status == PBW_OK && i < w->tets.count; i++) {
+        if (w->region.at[i] != PBW_NONE) {
+            w->region.at[i] = number.at[w->region.at[i]];
+        }
+    }
+    PBW_RELEASE(&w->memory, map.components);
+    PBW_RELEASE(&w->memory, map.contacts);
+    PBW_RELEASE(&w->memory, map.body);
+    PBW_RELEASE(&w->memory, map.around);
+    PBW_RELEASE(&w->memory, number);
+    return status != PBW_OK ? status : pbwfill__check_closed(w);
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   >>result       The caller's arrays.
+   In: the tetrahedra with regions.  Out: those that are kept, their points, and the facets.
+   ------------------------------------------------------------------------------------------------------ */
+typedef struct pbwfill__result {
+    pbw_memory memory;
+    PBW_ARRAY(double) points;
+    pbwfill__indices corners, neighbors, regions, original, patches, facets, facet_triangle, facet_corners, sides;
+} pbwfill__result;
+
+PBWFILLDEF void pbw_fill_free(pbw_filled *filled)
+{
+    if (filled != NULL && filled->memory != NULL) {
+        pbwfill__result *r = (pbwfill__result *)filled->memory;
+        pbw_memory memory = r->memory;
+        PBW_RELEASE(&memory, r->points);
+        PBW_RELEASE(&memory, r->corners);
+        PBW_RELEASE(&memory, r->neighbors);
+        PBW_RELEASE(&memory, r->regions);
+        PBW_RELEASE(&memory, r->original);
+        PBW_RELEASE(&memory, r->patches);
+        PBW_RELEASE(&memory, r->facets);
+        PBW_RELEASE(&memory, r->facet_triangle);
+        PBW_RELEASE(&memory, r->facet_corners);
+        PBW_RELEASE(&memory, r->sides);
+        (void)pbw_memory_resize(&memory, r, 1, 0, sizeof *r);
+    }
+    if (filled != NULL) {
+        memset(filled, 0, sizeof *filled);
+    }
+}
+
+/* Numbers the tetrahedra that are kept, and their points: those of the input first, in its order.  Returns 0 without
+   memory. */
+static int pbwfill__number(pbwfill__work *w, pbwfill__result *r, pbwfill__indices *tet, pbwfill__indices *point)
+{
+    const size_t count = pbwfill__vertices(w);
+    size_t i, k, tets = 0, points = 0;
+    if (!PBW_FIT(&w->memory, *tet, w->tets.count) || !PBW_ZEROS(&w->memory, *point, count)) {
+        return 0;
+    }
+    for (i = 0; i < w->tets.count; i++) {
+        const int kept = w->tets.at[i].v[0] != PBW_NONE && w->region.at[i] != PBW_NONE;
+        tet->at[i] = kept ? (pbw_index)tets++ : PBW_NONE;
+        for (k = 0; kept && k < 4; k++) {
+            point->at[w->tets.at[i].v[k]] = 1;
+        }
+    }
+    for (i = 0; i < count; i++) {
+        point->at[i] = point->at[i] ? (pbw_index)points++ : PBW_NONE;
+    }
+    if (!PBW_FIT(&r->memory, r->points, 3 * points) || !PBW_FIT(&r->memory, r->original, points)
+        || !PBW_FIT(&r->memory, r->corners, 4 * tets) || !PBW_FIT(&r->memory, r->neighbors, 4 * tets)
+        || !PBW_FIT(&r->memory, r->patches, 4 * tets) || !PBW_FIT(&r->memory, r->regions, tets)) {
+        return 0;
+    }
+    r->original.count = points;
+    r->regions.count = tets;
+    for (i = 0; i < count; i++) {
+        if (point->at[i] != PBW_NONE) {
+            pbwfill__place(w, w->x.at + 3 * i, r->points.at + 3 * (size_t)point->at[i]);
+            r->original.at[point->at[i]] = i < w->inputs ? (pbw_index)i : PBW_NONE;
+        }
+    }
+    return 1;
+}
+
+/* The input's triangle at a face: where a flat facet has several, the one nearest to the middle of the face. */
+static pbw_index pbwfill__triangle_at(const pbwfill__work *w, const pbw_surface *surface, const pbw_index v[3],
+                                      pbw_index facet)
+{
+    const pbw_index first = w->facet_first.at[facet];
+    double middle[3], place[3];
+    pbw_index nearest;
+    int k;
+    if (w->facet_first.at[facet + 1] == first + 1) {
+        return w->members.at[first];
+    }
+    for (k = 0; k < 3; k++) {
+        middle[k] = (pbwfill__at(w, v[0])[k] + pbwfill__at(w, v[1])[k] + pbwfill__at(w, v[2])[k]) / 3;
+    }
+    nearest = pbw_surface_closest(surface, middle, HUGE_VAL, place);
+    return nearest != PBW_NONE && w->facet_of.at[nearest] == facet ? nearest : w->members.at[first];
+}
+
+/* Copies the tetrahedra, and lists the facets, each of the kept tetrahedron with the lower number. */
+static int pbwfill__copy(pbwfill__work *w, pbwfill__result *r, const pbw_surface *surface,
+                         const pbwfill__indices *tet, const pbwfill__indices *point)
+{
+    size_t i, j;
+    unsigned k;
+    for (i = 0; i < w->tets.count; i++) {
+        const pbwfill__tet *t = w->tets.at + i;
+        const size_t to = tet->at[i];
+        if (to == PBW_NONE) {
+            continue;
+        }
+        r->regions.at[to] = w->region.at[i];
+        for (k = 0; k < 4; k++) {
+            const pbw_index next = t->n[k] == PBW_NONE ? PBW_NONE : tet->at[t->n[k]];
+            pbw_index v[3], triangle;
+            r->corners.at[4 * to + k] = point->at[t->v[k]];
+            r->neighbors.at[4 * to + k] = next;
+            if (t->wall[k] == PBW_NONE) {
+                r->patches.at[4 * to + k] = PBW_NONE;
+                continue;
+            }
+            for (j = 0; j < 3; j++) {
+                v[j] = t->v[PBW_FACET_CORNER(k, j)];
+            }
+            if (next < to) {                         /* it is listed already */
+                r->patches.at[4 * to + k] = r->patches.at[4 * (size_t)next + pbwfill__back(w->tets.at + t->n[k],
+                                                                                           (pbw_index)i)];
+                continue;
+            }
+            triangle = pbwfill__triangle_at(w, surface, v, t->wall[k]);
+            r->patches.at[4 * to + k] = triangle;
+            if (!PBW_RESERVE(&r->memory, r->facets, 3) || !PBW_RESERVE(&r->memory, r->sides, 2)
+                || !PBW_PUSH(&r->memory, r->facet_triangle, triangle)
+                || !PBW_PUSH(&r->memory, r->facet_corners, (pbw_index)(4 * to + k))) {
+                return 0;
+            }
+            for (j = 0; j < 3; j++) {
+                r->facets.at[r->facets.count++] = point->at[v[j]];
+            }
+            r->sides.at[r->sides.count++] = w->region.at[i];
+            r->sides.at[r->sides.count++] = next == PBW_NONE ? PBW_NONE : w->region.at[t->n[k]];
+        }
+    }
+    for (i = 0; i < r->regions.count; i++) {
+        const pbw_index *c = r->corners.at + 4 * i;
+        w->report->flat_tets += pbw_orient3(r->points.at + 3 * (size_t)c[0], r->points.at + 3 * (size_t)c[1],
+                                            r->points.at + 3 * (size_t)c[2], r->points.at + 3 * (size_t)c[3]) <= 0;
+    }
+    return 1;
+}
+
+static void pbwfill__hand_over(pbwfill__result *r, pbw_filled *filled)
+{
+    filled->memory = r;
+    filled->tets.points = r->points.at;
+    filled->tets.point_count = r->original.count;
+    filled->tets.corners = r->corners.at;
+    filled->tets.tet_count = r->regions.count;
+    filled->tets.neighbors = r->neighbors.at;
+    filled->tets.regions = r->regions.at;
+    filled->tets.original = r->original.at;
+    filled->tets.patches = r->patches.at;
+    filled->facets = r->facets.at;
+    filled->facet_count = r->facet_triangle.count;
+    filled->facet_triangle = r->facet_triangle.at;
+    filled->facet_corners = r->facet_corners.at;
+    filled->sides = r->sides.at;
+}
+
+static pbw_status pbwfill__write(pbwfill__work *w, pbw_filled *filled)
+{
+    pbwfill__indices tet = { NULL, 0, 0 }, point = { NULL, 0, 0 };
+    pbw_surface surface;
+    pbwfill__result *r = (pbwfill__result *)pbw_memory_resize(&w->memory, NULL, 0, 1, sizeof *r);
+    pbw_status status = PBW_OK;
+    memset(&surface, 0, sizeof surface);
+    if (r == NULL) {
+        return PBW_ERROR_MEMORY;
+    }
+    memset(r, 0, sizeof *r);
+    pbw_memory_start(&r->memory, w->caller);
+    r->memory.limit = w->memory.limit == 0 ? 0 : pbw_memory_left(&w->memory);
+    if (w->report->facets + w->report->doubles + w->report->collapsed < w->corners.count / 3) {
+        status = pbw_surface_create(w->x.at, w->inputs, w->corners.at, w->corners.count / 3,
+                                    pbwfill__inner_options(w), &surface);
+    }
+    if (status == PBW_OK && !(pbwfill__number(w, r, &tet, &point) && pbwfill__copy(w, r, &surface, &tet, &point))) {
+        status = PBW_ERROR_MEMORY;
+    }
+    pbw_surface_free(&surface);
+    PBW_RELEASE(&w->memory, tet);
+    PBW_RELEASE(&w->memory, point);
+    pbwfill__hand_over(r, filled);
+    if (status != PBW_OK) {
+        pbw_fill_free(filled);
+    }
+    return status;
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   >>stages       All of it in order.
+   In: the caller's arrays.  Out: the result, or a status and nothing held.
+   ------------------------------------------------------------------------------------------------------ */
+PBWFILLDEF const char *pbw_fill_refusal(int refusal)
+{
+    switch (refusal) {
+    case PBW_FILL_FILLED: return "filled";
+    case PBW_FILL_EMPTY: return "nothing is enclosed";
+    case PBW_FILL_CROSSING: return "triangles or segments cross, or touch elsewhere than in common corners and edges";
+    case PBW_FILL_FLAT: return "a triangle has no area";
+    case PBW_FILL_OPEN: return "the surface is open: a triangle bounds no region";
+    case PBW_FILL_TOO_FINE: return "points are nearer to each other, or edges shorter, than 2^-29 of the box";
+    case PBW_FILL_SEED: return "a seed lies on the surface, beyond the box, or in the region of another one";
+    default: return "unknown";
+    }
+}
+
+static pbw_status pbwfill__check_input(const pbw_fill_input *in)
+{
+    size_t i;
+    if (in == NULL || (in->point_count > 0 && in->points == NULL) || (in->triangle_count > 0 && in->triangles == NULL)
+        || (in->segment_count > 0 && in->segments == NULL) || (in->seed_count > 0 && in->seeds == NULL)) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    if (in->point_count >= PBW_NONE / 16 || in->triangle_count >= PBW_NONE / 16
+        || in->segment_count >= PBW_NONE / 16) {
+        return PBW_ERROR_TOO_LARGE;
+    }
+    for (i = 0; i < 3 * in->triangle_count; i++) {
+        if (in->triangles[i] >= in->point_count) {
+            return PBW_ERROR_ARGUMENT;
+        }
+    }
+    for (i = 0; i < 2 * in->segment_count; i++) {
+        if (in->segments[i] >= in->point_count) {
+            return PBW_ERROR_ARGUMENT;
+        }
+    }
+    for (i = 0; i < 3 * in->seed_count; i++) {
+        if (!(fabs(in->seeds[i]) < HUGE_VAL)) {
+            return PBW_ERROR_NOT_FINITE;
+        }
+    }
+    return PBW_OK;
+}
+
+static void pbwfill__release(pbwfill__work *w)
+{
+    pbw_memory *m = &w->memory;
+    PBW_RELEASE(m, w->x);
+    PBW_RELEASE(m, w->canonical);
+    PBW_RELEASE(m, w->tets);
+    PBW_RELEASE(m, w->unused);
+    PBW_RELEASE(m, w->at);
+    PBW_RELEASE(m, w->seen);
+    PBW_RELEASE(m, w->touched);
+    PBW_RELEASE(m, w->corners);
+    PBW_RELEASE(m, w->edges);
+    PBW_RELEASE(m, w->sides);
+    PBW_RELEASE(m, w->edge_of);
+    PBW_RELEASE(m, w->facet_of);
+    PBW_RELEASE(m, w->facet_first);
+    PBW_RELEASE(m, w->members);
+    PBW_RELEASE(m, w->acute);
+    PBW_RELEASE(m, w->pieces);
+    PBW_RELEASE(m, w->table.slots);
+    PBW_RELEASE(m, w->borders.slots);
+    PBW_RELEASE(m, w->covered.slots);
+    PBW_RELEASE(m, w->segments.slots);
+    PBW_RELEASE(m, w->cavity);
+    PBW_RELEASE(m, w->rest);
+    PBW_RELEASE(m, w->faces);
+    PBW_RELEASE(m, w->made);
+    PBW_RELEASE(m, w->sign);
+    PBW_RELEASE(m, w->seen_vertex);
+    PBW_RELEASE(m, w->region);
+}
+
+static pbw_status pbwfill__run(pbwfill__work *w, pbw_filled *filled)
+{
+    typedef pbw_status stage(pbwfill__work *);
+    static const struct { const char *name; stage *run; double to; } stages[] = {
+        { "grid", pbwfill__make_vertices, 0.02 }, { "triangulate", pbwfill__triangulate, 0.2 },
+        { "edges", pbwfill__find_edges, 0.25 }, { "crossings", pbwfill__check_crossings, 0.3 },
+        { "segments", pbwfill__recover_segments, 0.6 }, { "facets", pbwfill__recover_facets, 0.9 },
+        { "regions", pbwfill__find_regions, 0.95 }
+    };
+    pbw_status status = PBW_OK;
+    int i;
+    w->since = clock();
+    for (i = 0; i < 7 && status == PBW_OK; i++) {
+        status = pbwfill__begin(w, i, stages[i].name, stages[i].to) ? PBW_CANCELLED : stages[i].run(w);
+    }
+    status = status != PBW_OK ? status : pbwfill__write(w, filled);
+    (void)pbwfill__begin(w, i - 1, NULL, 1);
+    return status;
+}
+
+PBWFILLDEF pbw_status pbw_fill(const pbw_fill_input *input, const pbw_fill_options *how, const pbw_options *options,
+                               pbw_filled *filled, pbw_fill_report *report)
+{
+    pbw_fill_report own;
+    pbwfill__work w;
+    pbw_status status;
+    report = report == NULL ? &own : report;
+    memset(report, 0, sizeof *report);
+    if (filled == NULL) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    memset(filled, 0, sizeof *filled);
+    status = pbwfill__check_input(input);
+    if (status != PBW_OK) {
+        return status;
+    }
+    memset(&w, 0, sizeof w);
+    w.input = input;
+    w.inputs = input->point_count;
+    w.caller = options;
+    w.report = report;
+    pbw_memory_start(&w.memory, options);
+    if (options != NULL) {
+        w.options.threads = options->threads;
+        w.options.run = options->run;
+        w.options.run_user = options->run_user;
+    }
+    if (how != NULL) {
+        w.how = *how;
+    }
+    status = pbwfill__run(&w, filled);
+    pbwfill__release(&w);
+    return status;
+}
+
+PBW_CONTRACTION_ON
+#endif /* PBW_FILL_IMPLEMENTATION */

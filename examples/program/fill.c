@@ -1,0 +1,214 @@
+/* fill.c: pbw fill.
+   In: a surface, perhaps with groups of faces.  Out: tetrahedra with its own triangles as facets, regions, groups. */
+#include "program.h"
+
+static const option fill_options[] = {
+    { "--split-flat", NULL, "keep edges between coplanar faces, too: each face is a union of facets", SWITCH, 0, 0,
+      NULL },
+    { "--nested", NULL, "shells inside of others bound regions; default: every second one is a cavity", SWITCH, 0, 0,
+      NULL },
+    { "--outside", NULL, "keep the outside, too, up to a box five times as wide as the surface's", SWITCH, 0, 0,
+      NULL },
+    { "--faces", NULL, "groups of facets are the model's faces, numbered from 1 on, not its groups", SWITCH, 0, 0,
+      NULL },
+    OPTION_MOST("points on edges"),
+    OPTION_QUALITY,
+    { NULL, NULL, NULL, SWITCH, 0, 0, NULL }
+};
+
+/* ---- the report ---- */
+
+static void report_on(const job *j, const pbw_filled *f, const pbw_fill_report *r)
+{
+    static const char *const stages[] = { "grid", "triangulate", "edges", "crossings", "segments", "facets",
+                                          "regions" };
+    pbw_quality quality;
+    size_t i;
+    for (i = 0; i < sizeof stages / sizeof *stages; i++) {
+        if (i == 4) {
+            report_step(j, stages[i], r->seconds[i], "%zu, of them %zu missing: %zu point%s added", r->segments,
+                        r->missing_segments, COUNT(r->segment_points));
+        } else if (i == 5) {
+            report_step(j, stages[i], r->seconds[i], "%zu, of them %zu missing", r->facets, r->missing_facets);
+        } else {
+            report_step(j, stages[i], r->seconds[i], "%s", "");
+        }
+    }
+    report_line(j, "%zu %s in %zu region%s, %zu point%s, %zu facet%s on the surface", f->tets.tet_count,
+                simplices(3, f->tets.tet_count), COUNT(r->regions), COUNT(f->tets.point_count),
+                COUNT(f->facet_count));
+    if (pbw_tets_quality(&f->tets, &j->build, &quality)) {
+        describe_quality(j, "angles: ", &quality);
+    }
+    if (is_given(j, "--quality")) {
+        describe_measures(j, &f->tets);
+    }
+    if (r->doubles + r->collapsed > 0) {
+        report_line(j, "left out: %zu face%s with the corners of another, %zu with two corners at one place",
+                    COUNT(r->doubles), r->collapsed);
+    }
+    if (r->rounded > 0) {
+        report_line(j, "%zu point%s moved to the grid of 2^-29 of the box, by half of its width at most",
+                    COUNT(r->rounded));
+    }
+    if (r->flat_tets > 0) {
+        warn(j, "%zu %s no volume, as the coordinates are too large for points between them", r->flat_tets,
+             r->flat_tets == 1 ? "tetrahedron has" : "tetrahedra have");
+    }
+}
+
+/* Says why the surface is refused, and where. */
+static int refuse(const job *j, pbw_status status, const pbw_fill_report *r)
+{
+    size_t i;
+    if (status != PBW_DEGENERATE) {
+        return explain_file(j, status, "");
+    }
+    fail(j, "%s: %s%s", j->input, pbw_fill_refusal(r->refusal), r->refusal == PBW_FILL_OPEN
+         ? "; --outside keeps what is on both sides" : r->refusal == PBW_FILL_CROSSING
+         ? "; pbw check lists all places" : "");
+    for (i = 0; i < r->fault_count && i < PBW_FILL_PLACES; i++) {
+        const pbw_index a = r->faults[i][0], b = r->faults[i][1];
+        if (a != PBW_NONE && b != PBW_NONE) {
+            report_line(j, "  %s %lu and %lu", r->refusal == PBW_FILL_CROSSING ? "faces" : "numbers",
+                        (unsigned long)a, (unsigned long)b);
+        } else if (a != PBW_NONE) {
+            report_line(j, "  face %lu", (unsigned long)a);
+        }
+    }
+    if (r->fault_count > PBW_FILL_PLACES) {
+        report_line(j, "  and %zu more", r->fault_count - PBW_FILL_PLACES);
+    }
+    return FAILURE;
+}
+
+/* ---- the output ---- */
+
+typedef struct naming { pbwio_group *groups; size_t count, all; pbw_index *patches, *regions; } naming;
+
+/* Gives facets the groups of the model's faces, and each region a group behind these.  Returns 0 without memory. */
+static int name_groups(job *j, const pbw_filled *f, size_t regions, naming *n)
+{
+    pbwio_cloud *c = &j->cloud;
+    const size_t faces = 4 * f->tets.tet_count;
+    const int named = c->triangle_groups != NULL && !is_given(j, "--faces");
+    size_t i;
+    n->count = named ? c->group_count : 0;
+    n->patches = (pbw_index *)malloc((faces + 1) * sizeof *n->patches);
+    n->regions = (pbw_index *)malloc((f->tets.tet_count + 1) * sizeof *n->regions);
+    n->groups = (pbwio_group *)calloc(n->count + regions + 1, sizeof *n->groups);
+    if (n->patches == NULL || n->regions == NULL || n->groups == NULL) {
+        return 0;
+    }
+    for (i = 0; i < faces; i++) {
+        const pbw_index face = f->tets.patches[i];
+        n->patches[i] = face == PBW_NONE || !named ? face : c->triangle_groups[face];
+    }
+    for (i = 0; i < f->tets.tet_count; i++) {
+        n->regions[i] = (named ? (pbw_index)n->count : 0) + f->tets.regions[i];
+    }
+    for (i = 0; i < n->count; i++) {
+        n->groups[n->all++] = c->groups[i];
+        c->groups[i].name = NULL;                    /* it is ours now */
+    }
+    for (i = 0; named && i < regions; i++) {
+        pbwio_group *g = n->groups + n->all++;
+        g->dim = 3;
+        g->tag = (long long)i + 1;
+        g->name = (char *)malloc(32);
+        if (g->name == NULL) {
+            return 0;
+        }
+        sprintf(g->name, "region_%zu", i);
+    }
+    return 1;
+}
+
+static int write_filled(job *j, const pbw_filled *f, naming *n)
+{
+    int failed;
+    j->write.regions = n->regions;
+    j->write.patches = n->all > 0 || is_given(j, "--faces") ? n->patches : NULL;
+    j->write.groups = n->all > 0 ? n->groups : NULL;
+    j->write.group_count = n->all;
+    pbwio_free(&j->cloud);                           /* pages show the tetrahedra alone */
+    show_tets(j, &f->tets);
+    failed = write_mesh(j);
+    drop_groups(j);
+    return failed;
+}
+
+/* ---- the command ---- */
+
+static int run(job *j)
+{
+    pbw_fill_input input;
+    pbw_fill_options how;
+    pbw_fill_report report;
+    pbw_filled filled;
+    pbw_status status;
+    naming names;
+    size_t i;
+    int failed = load(j, 0);
+    failed = failed ? failed : complete_groups(j);
+    if (failed) {
+        return failed;
+    }
+    if (j->cloud.dim != 3 || j->cloud.triangle_count == 0) {
+        return fail(j, "%s: it has no faces", j->input);
+    }
+    memset(&input, 0, sizeof input);
+    input.points = j->cloud.points;
+    input.point_count = j->cloud.count;
+    input.triangles = j->cloud.triangles;
+    input.triangle_count = j->cloud.triangle_count;
+    input.numbers = j->cloud.triangle_groups;
+    input.segments = j->cloud.segments;
+    input.segment_count = j->cloud.segment_count;
+    memset(&how, 0, sizeof how);
+    how.split_flat = is_given(j, "--split-flat") || is_given(j, "--faces");
+    how.nested = is_given(j, "--nested");
+    how.outside = is_given(j, "--outside");
+    how.most = (size_t)number_of(j, "--most", 0);
+    how.stage = &j->stage;
+    status = pbw_fill(&input, &how, &j->build, &filled, &report);
+    if (status != PBW_OK) {
+        return refuse(j, status, &report);
+    }
+    report_on(j, &filled, &report);
+    memset(&names, 0, sizeof names);
+    failed = name_groups(j, &filled, report.regions, &names) ? write_filled(j, &filled, &names)
+           : fail(j, "out of memory");
+    for (i = 0; i < names.all; i++) {
+        free(names.groups[i].name);
+    }
+    free(names.groups);
+    free(names.patches);
+    free(names.regions);
+    pbw_fill_free(&filled);
+    memset(&j->mesh, 0, sizeof j->mesh);
+    return failed;
+}
+
+const command command_fill = {
+    .name = "fill",
+    .summary = "fill a surface with tetrahedra that keep its own triangles",
+    .usage =
+    "usage: pbw fill [options] model [-o output]...\n"
+    "\n"
+    "Fills a closed surface, of one or several shells, with the constrained Delaunay triangulation: each flat part\n"
+    "of the surface is a union of facets, exactly.  Points are added on edges where that is needed.  Walls inside,\n"
+    "open or closed, bound regions or are kept as they are; so are segments and points of the model.\n"
+    "Surfaces that cross themselves are refused, and the first places listed.\n"
+    "Angles may be small: pbw improve raises them, pbw solid makes good tetrahedra near the surface.\n"
+    "\n"
+    "of TetGen: -p is pbw fill, -pi too: points inside are kept.  Its -Y, -q, -a and -A are not there yet.\n"
+    "\n"
+    "input:   .obj .ply .stl .off .vtu .msh with faces\n"
+    "output:  .vtu .msh .msh2 .mesh .inp .su2 .node .ele .neigh .face (tetrahedra, facets), .obj .ply .stl .off\n"
+    "         (boundary), .svg (picture), .html (page to look around in); any number of them\n"
+    "\n",
+    .writes = "vtu msh msh2 mesh inp su2 node ele neigh face obj ply stl off svg html",
+    .options = { fill_options, look_options, build_options, output_options, text_options, common_options, NULL },
+    .run = run,
+};
