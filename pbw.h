@@ -7491,7 +7491,9 @@ typedef struct pbw__emission {
     pbw_index *to_corner, *to_link;                  /* where simplices are written: the arrays above or new ones */
     size_t slot_count, simplex_count, vertex_count, visible;
     size_t rank_entries;                             /* of `head` and `first`, in the block of the records */
-    int dim, any_order, tasks, failed, simd, apart;  /* apart: into new arrays */
+    int dim, any_order, tasks, failed, simd;
+    int apart, links_apart;                          /* into new arrays */
+    int packed;                                      /* into slots, with corners and links as they are, ghosts last */
     const pbw_index *id;                             /* per rank */
     pbw_index *number;                               /* per slot: the next of its chain; then its place */
     pbw_index *chain;                                /* per region: the last slot of its chain */
@@ -7512,6 +7514,7 @@ static const uint32_t pbw__turn3[64] = {
     228, 177, 0, 0, 0, 0, 0, 0, 0, 45, 0, 45, 0, 0, 0, 0,
     156, 0, 0, 0, 156, 0, 0, 0, 99, 135, 0, 135, 99, 0, 27, 27 };
 static const uint32_t pbw__turn2[8] = { 36, 9, 0, 9, 36, 0, 18, 18 };
+#define PBW__IN_ORDER 228u                            /* the identity */
 
 PBW__INLINE unsigned pbw__canonical_order(const pbw_index *v, int dim)
 {
@@ -8184,12 +8187,15 @@ PBW__INLINE void pbw__emit_slots_of(const pbw__emission *emission, size_t from, 
             continue;
         }
         simplex.place = number[t];
-        order = pbw__canonical_order(v, dim);
+        order = emission->packed ? PBW__IN_ORDER : pbw__canonical_order(v, dim);
         for (k = 0; k <= (unsigned)dim; k++) {
-            simplex.corner[k] = emission->id[v[order >> 2 * k & 3]];
+            const pbw_index corner = v[order >> 2 * k & 3];
+            simplex.corner[k] = emission->packed ? corner : emission->id[corner];
         }
         for (k = 0; k <= (unsigned)dim && emission->link != NULL; k++) {
-            simplex.neighbor[k] = number[emission->link[4 * t + (order >> 2 * k & 3)] >> 2];
+            const pbw__link link = emission->link[4 * t + (order >> 2 * k & 3)];
+            const pbw_index next = number[link >> 2];
+            simplex.neighbor[k] = emission->packed ? 4 * next + (pbw_index)(link & 3) : next;
         }
         if (pbw__emit_free(emission, aside, simplex.place, dim)) {
             pbw__emit_place(emission, &simplex, dim);
@@ -8232,7 +8238,7 @@ PBW__SIMD_INLINE size_t pbw__emit_used(const pbw_index *number, size_t from, siz
 
 /* pbw__emit_slots_of by vectors. */
 PBW__SIMD_INLINE void pbw__emit_slots_simd_of(const pbw__emission *emission, size_t from, size_t end,
-                                              pbw__aside *aside, int links, int dim)
+                                              pbw__aside *aside, int links, int packed, int dim)
 {
     const pbw_index *number = emission->number, *id = emission->id;
     const pbw__link *link = emission->link;
@@ -8264,10 +8270,15 @@ PBW__SIMD_INLINE void pbw__emit_slots_simd_of(const pbw__emission *emission, siz
             neighbors = (pbw__i4)_mm_setr_epi32((int)number[l[0] >> 2], (int)number[l[1] >> 2],
                                                 (int)number[l[2] >> 2], dim == 3 ? (int)number[l[3] >> 2] : 0);
         }
-        lanes = pbw__canonical_lanes(pbw__load4(v), dim);
-        ids = (pbw__i4)_mm_setr_epi32((int)id[v[0]], (int)id[v[1]], (int)id[v[2]], dim == 3 ? (int)id[v[3]] : 0);
-        ids = pbw__permute4(ids, lanes);
-        neighbors = pbw__permute4(neighbors, lanes);
+        if (packed) {
+            ids = pbw__load4(v);
+            neighbors = neighbors << 2 | (pbw__load4((const pbw_index *)(const void *)(link + 4 * t)) & 3);
+        } else {
+            lanes = pbw__canonical_lanes(pbw__load4(v), dim);
+            ids = (pbw__i4)_mm_setr_epi32((int)id[v[0]], (int)id[v[1]], (int)id[v[2]], dim == 3 ? (int)id[v[3]] : 0);
+            ids = pbw__permute4(ids, lanes);
+            neighbors = pbw__permute4(neighbors, lanes);
+        }
         if (pbw__emit_free(emission, &free, place, dim)) {
             pbw__emit_entries(to_corner + corners * place, ids, dim);
             if (links) {
@@ -8285,8 +8296,13 @@ PBW__SIMD_INLINE void pbw__emit_slots_simd_of(const pbw__emission *emission, siz
 
 PBW__SIMD static void pbw__emit_slots_simd(const pbw__emission *emission, size_t from, size_t end, pbw__aside *aside)
 {
-    emission->link != NULL ? PBW__BY_DIM(emission->dim, pbw__emit_slots_simd_of, emission, from, end, aside, 1)
-                           : PBW__BY_DIM(emission->dim, pbw__emit_slots_simd_of, emission, from, end, aside, 0);
+    if (emission->packed) {
+        pbw__emit_slots_simd_of(emission, from, end, aside, 1, 1, 3);
+    } else if (emission->link != NULL) {
+        PBW__BY_DIM(emission->dim, pbw__emit_slots_simd_of, emission, from, end, aside, 1, 0);
+    } else {
+        PBW__BY_DIM(emission->dim, pbw__emit_slots_simd_of, emission, from, end, aside, 0, 0);
+    }
 }
 #endif
 
@@ -8404,16 +8420,27 @@ static pbw_status pbw__emit_status(const pbw__emission *emission)
 static int pbw__emit_begin(pbw__emission *emission)
 {
     const size_t entries = emission->simplex_count * ((size_t)emission->dim + 1);
-    const int links = emission->link != NULL;
     emission->to_corner = emission->corner;
     emission->to_link = (pbw_index *)(void *)emission->link;
     if (emission->apart) {
         emission->to_corner = (pbw_index *)pbw__allocate_large(emission->context, entries, sizeof(pbw_index));
-        emission->to_link = links ? (pbw_index *)pbw__allocate_large(emission->context, entries, sizeof(pbw_index))
-                                  : NULL;
-        emission->failed = emission->to_corner == NULL || (emission->to_link == NULL && links);
     }
+    if (emission->links_apart && emission->link != NULL) {
+        emission->to_link = (pbw_index *)pbw__allocate_large(emission->context, entries, sizeof(pbw_index));
+    }
+    emission->failed = emission->to_corner == NULL || (emission->to_link == NULL && emission->link != NULL);
     return !emission->failed;
+}
+
+/* Numbers the ghosts, behind the simplices. */
+static void pbw__number_ghosts(pbw__emission *emission)
+{
+    size_t t;
+    for (t = 0; t < emission->slot_count; t++) {
+        if (emission->number[t] == PBW_NONE && emission->corner[4 * t] != PBW_NONE) {
+            emission->number[t] = (pbw_index)emission->simplex_count++;
+        }
+    }
 }
 
 static pbw_status pbw__emit(pbw__emission *emission)
@@ -8434,6 +8461,9 @@ static pbw_status pbw__emit(pbw__emission *emission)
         return pbw__emit_status(emission);
     }
     pbw__for(context, tasks, pbw__emit_pass2, emission);
+    if (emission->packed) {
+        pbw__number_ghosts(emission);
+    }
     if (pbw__emit_status(emission) != PBW_OK || !pbw__emit_begin(emission)) {
         return pbw__emit_status(emission);
     }
@@ -8576,21 +8606,24 @@ static int pbw__emit_cut(pbw__emission *emission, pbw__store *store, pbw__vertic
     const size_t firsts = emission->rank_entries / 2 + 1, kept = points > firsts ? points : firsts;      /* doubles */
     const size_t behind = points > 0 ? vertices->point_count / 2 + 1 : 0;
     size_t links = store->link_capacity * (sizeof(pbw__link) / sizeof(pbw_index));
-    if (!emission->apart) {
-        if (!pbw_memory_fit(memory, &store->corner, &store->corner_capacity, entries, sizeof(pbw_index))
-            || (store->link != NULL
-                && !pbw_memory_fit(memory, &store->link, &links, entries, sizeof(pbw_index)))) {
-            return 0;
-        }
-        emission->to_corner = store->corner;
-        emission->to_link = (pbw_index *)(void *)store->link;
-        store->corner = NULL;
-        store->link = NULL;
-    }
-    mesh->simplices = emission->to_corner;
-    mesh->neighbors = emission->to_link;
+    mesh->simplices = emission->apart ? emission->to_corner : NULL;
+    mesh->neighbors = emission->links_apart ? emission->to_link : NULL;
     mesh->simplex_count = emission->simplex_count;
     owned->simplices = owned->neighbors = entries;
+    if (!emission->apart) {
+        if (!pbw_memory_fit(memory, &store->corner, &store->corner_capacity, entries, sizeof(pbw_index))) {
+            return 0;
+        }
+        mesh->simplices = store->corner;
+        store->corner = NULL;
+    }
+    if (!emission->links_apart && store->link != NULL) {
+        if (!pbw_memory_fit(memory, &store->link, &links, entries, sizeof(pbw_index))) {
+            return 0;
+        }
+        mesh->neighbors = (pbw_index *)(void *)store->link;
+        store->link = NULL;
+    }
     if (!pbw_memory_fit(memory, &vertices->record, &vertices->room, kept + behind, sizeof(double))) {
         return 0;
     }
@@ -8598,6 +8631,28 @@ static int pbw__emit_cut(pbw__emission *emission, pbw__store *store, pbw__vertic
     emission->incident = pbw__make_incident(emission->context, owned, mesh, vertices->count < mesh->point_count,
                                             behind > 0 ? vertices->record + kept : NULL);
     return emission->incident != NULL;
+}
+
+static void pbw__emission_start(pbw__emission *emission, pbw__context *context, const pbw__store *store,
+                                const pbw__vertices *vertices)
+{
+    memset(emission, 0, sizeof(*emission));
+    emission->context = context;
+    emission->store = store;
+    emission->corner = store->corner;
+    emission->link = store->link;
+    emission->slot_count = store->count;
+    emission->vertex_count = vertices->count;
+    emission->dim = vertices->dim;
+#ifdef PBW__AVX2
+    emission->simd = pbw__simd_works();
+#endif
+    emission->id = vertices->id;
+    emission->chain = store->hint;
+    emission->tasks = pbw__tasks(context, vertices->count, 16384);
+    emission->apart = emission->tasks == 1 && emission->slot_count <= PBW__APART;
+    emission->links_apart = emission->apart || store->lent;
+    emission->chunk_bits = pbw__chunk_bits(emission->dim, emission->tasks, context->threads, store->count);
 }
 
 /* Turns the store's triangulation into the mesh's arrays. */
@@ -8617,30 +8672,19 @@ static pbw_status pbw__output(pbw__context *context, pbw__store *store, pbw__ver
         pbw__release(memory, store->link, store->link_capacity, sizeof(pbw__link));
         store->link = NULL;
     }
-    memset(&emission, 0, sizeof(emission));
-    emission.context = context;
-    emission.store = store;
-    emission.corner = store->corner;
-    emission.link = store->link;
-    emission.slot_count = store->count;
-    emission.vertex_count = vertices->count;
-    emission.dim = vertices->dim;
+    pbw__emission_start(&emission, context, store, vertices);
     emission.any_order = (flags & PBW_ANY_ORDER) != 0;
-#ifdef PBW__AVX2
-    emission.simd = pbw__simd_works();
-#endif
-    emission.id = vertices->id;
-    emission.chain = store->hint;
-    emission.tasks = pbw__tasks(context, vertices->count, 16384);
-    emission.apart = store->lent || (emission.tasks == 1 && emission.slot_count <= PBW__APART);
-    emission.chunk_bits = pbw__chunk_bits(emission.dim, emission.tasks, context->threads, store->count);
     status = pbw__emit_all(&emission, store, vertices);
     if (status == PBW_OK) {
         status = !pbw__emit_cut(&emission, store, vertices, owned, mesh, points) ? PBW_ERROR_MEMORY
                : pbw__for_range(context, emission.vertex_count, 16384, 0.0, pbw__emit_pass5, &emission);
-    } else if (emission.apart) {
-        pbw__release(memory, emission.to_corner, corners * emission.simplex_count, sizeof(pbw_index));
-        pbw__release(memory, emission.to_link, corners * emission.simplex_count, sizeof(pbw_index));
+    } else {
+        if (emission.apart) {
+            pbw__release(memory, emission.to_corner, corners * emission.simplex_count, sizeof(pbw_index));
+        }
+        if (emission.links_apart) {
+            pbw__release(memory, emission.to_link, corners * emission.simplex_count, sizeof(pbw_index));
+        }
     }
     mesh->hidden_count = vertices->count - emission.visible;
     return status;
@@ -9862,7 +9906,7 @@ PBWDEF pbw_status pbw_order(int dim, const double *points, size_t count, const p
      pbw__context               query live  memory
      PBW__RELEASE               query live  memory
      pbw__release               query live  memory
-     PBW__RESIZE                query       memory
+     PBW__RESIZE                query live  memory
      pbw__begin_call            query       threads
      pbw__context_start         live        threads
      pbw__end_call              query       threads
@@ -9961,6 +10005,9 @@ PBWDEF pbw_status pbw_order(int dim, const double *points, size_t count, const p
      pbw__owns_zone             live        parallel
      pbw__canonical_order       live        number
      PBW__SOON                  live        number
+     pbw__emission              live        number
+     pbw__emission_start        live        output
+     pbw__emit_all              live        output
      pbw__make_incident         live        output
      pbw__output                live        output
      pbw__owned                 live        output

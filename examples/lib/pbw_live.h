@@ -1595,6 +1595,7 @@ static void pbwl__gathered_free(pbw_memory *memory, pbwl__gathered *gathered)
     pbw__release(memory, gathered->list, gathered->room, sizeof(pbw_index));
 }
 
+    memset(gathered, 0, sizeof(*gathered));
 static int pbwl__gathered_create(pbw_memory *memory, pbwl__gathered *gathered, size_t room, int dim)
 {
     gathered->room = room;
@@ -1734,6 +1735,7 @@ static pbw_status pbwl__core_take(pbwl__core *core, pbw__vertices *vertices, con
     vertices->record = NULL;
     vertices->id = NULL;
     taking.core = core;
+    vertices->room = 0;
     taking.list = list;
     taking.tasks = pbw__tasks(context, vertices->count, 16384);
     taking.box = (double (*)[8])pbw__allocate(&context->memory, (size_t)taking.tasks, sizeof(*taking.box));
@@ -1764,6 +1766,28 @@ static pbw_status pbwl__core_take(pbwl__core *core, pbw__vertices *vertices, con
 
 /* Makes a kernel for the vertices of the core. */
 static pbw_status pbwl__core_start(pbw__context *context, pbwl__core *core, pbw__vertices *vertices)
+/* Packs the slots of a build in space along the curve.  As built, half of the simplices are more than 1024 slots away
+   from a neighbour; packed, one in 13 is, and tests of all vertices and removals take two thirds of the time. */
+static pbw_status pbwl__core_pack(pbw__context *context, pbwl__core *core, pbw__vertices *vertices)
+{
+    pbw_memory *memory = &context->memory;
+    pbw__store *store = &core->store;
+    pbw__emission emission;
+    pbw_status status;
+    pbw__emission_start(&emission, context, store, vertices);
+    emission.any_order = emission.packed = 1;
+    emission.apart = emission.links_apart = 0;
+    status = pbw__emit_all(&emission, store, vertices);
+    store->count = store->region_slots = emission.simplex_count;
+    pbw__release(memory, vertices->record, vertices->room, sizeof(double));
+    vertices->record = NULL;
+    if (!PBW__RESIZE(memory, store, mark, store->capacity)) {
+        return PBW_ERROR_MEMORY;
+    }
+    memset(store->mark, 0, store->capacity);
+    return status;
+}
+
 {
     pbw_status status;
     vertices->record = core->record;
@@ -1779,9 +1803,10 @@ static pbw_status pbwl__core_start(pbw__context *context, pbwl__core *core, pbw_
     return status;
 }
 
-/* Triangulates points; PBW_DEGENERATE: there are no simplices.  The caller frees the core, on any status. */
-static pbw_status pbwl__core_build(pbw__context *context, const pbwl__gathered *gathered, int weighted,
-                                   size_t numbers, pbwl__core *core)
+/* Triangulates points, and frees them; PBW_DEGENERATE: there are no simplices.  The caller frees the core and, if
+   they are still there, the points. */
+static pbw_status pbwl__core_build(pbw__context *context, pbwl__gathered *gathered, int weighted, size_t numbers,
+                                   pbwl__core *core)
 {
     pbw__vertices vertices;
     pbw__input input;
@@ -1810,10 +1835,14 @@ static pbw_status pbwl__core_build(pbw__context *context, const pbwl__gathered *
         status = taken != PBW_OK ? taken : status;
     }
     if (status == PBW_OK) {
+        pbwl__gathered_free(&context->memory, gathered);
         memset(core->incident, 0xff, core->incident_capacity * sizeof(pbw_index));           /* PBW_NONE */
     }
     status = status == PBW_OK ? pbwl__core_start(context, core, &vertices) : status;
     if (status == PBW_OK) {
+    if (status == PBW_OK && core->kernel.dim == 3 && sizeof(pbw__link) == sizeof(pbw_index)) {
+        status = pbwl__core_pack(context, core, &vertices);
+    }
         status = pbwl__core_scan(core);
         pbwl__swap_hidden(core);
         pbwl__journal_clear(core);
