@@ -212,8 +212,9 @@ typedef struct pbwl__core {
     pbw__grid grid;
     double low[4], high[4];                          /* the box of the records that the grid was made for */
     double *record;                                  /* per vertex, as in >>order */
-    pbw_index *name, *incident, *local;              /* per vertex: its number for the caller; a simplex; its place in
+    pbw_index *name, *incident, *link_index;         /* per vertex: its number for the caller; a simplex; its index in
                                                         link_vertex, if it is there */
+    pbw_index *neighbor;                             /* per vertex to be inserted: a vertex near it; 0: none */
     pbw_index *vertex, *twin;                        /* per number: its vertex; the next number at the same point */
     pbw_index *place;                                /* a hash table of vertices by coordinates; 0: empty.  Removed
                                                         and moved vertices may still have old entries */
@@ -222,9 +223,9 @@ typedef struct pbwl__core {
     pbw_index *start;                                /* per cell of a grid: a vertex that is or was there; 0: none */
     double start_low[3], start_scale[3];
     size_t start_side, searched;                     /* cells along an axis; walks so far, see pbwl__start_table */
-    size_t record_capacity, name_capacity, incident_capacity, local_capacity, vertex_capacity, twin_capacity;
-    size_t start_capacity, place_capacity, unused_capacity, hidden_capacity, container_capacity, next_hidden_capacity;
-    size_t next_container_capacity, touched_capacity;
+    size_t record_capacity, name_capacity, incident_capacity, link_index_capacity, neighbor_capacity, vertex_capacity;
+    size_t twin_capacity, start_capacity, place_capacity, unused_capacity, hidden_capacity, container_capacity;
+    size_t next_hidden_capacity, next_container_capacity, touched_capacity;
     size_t vertex_count, unused_count, hidden_count, next_hidden_count, placed, duplicate_count, saved_simplices;
     unsigned char *touched;                          /* per slot: 1 if it is in a journal */
     struct pbwl__core **task;                        /* >>tasks */
@@ -276,7 +277,8 @@ static void pbwl__core_free(pbw__context *context, pbwl__core *core)
     PBW__RELEASE(memory, core, record);
     PBW__RELEASE(memory, core, name);
     PBW__RELEASE(memory, core, incident);
-    PBW__RELEASE(memory, core, local);
+    PBW__RELEASE(memory, core, link_index);
+    PBW__RELEASE(memory, core, neighbor);
     PBW__RELEASE(memory, core, vertex);
     PBW__RELEASE(memory, core, twin);
     PBW__RELEASE(memory, core, place);
@@ -371,14 +373,14 @@ static int pbwl__journal_reserve(pbwl__core *core)
 }
 
 /* Returns the place of a vertex in link_vertex, where the ghost is the first; adds it if it is not there. */
-static pbw_index pbwl__link_place(pbwl__core *core, pbw_index v)
+static pbw_index pbwl__link_index(pbwl__core *core, pbw_index v)
 {
-    const pbw_index at = core->local[v];
+    const pbw_index at = core->link_index[v];
     if (at < core->link_vertices && core->link_vertex[at] == v) {
         return at;
     }
     core->link_vertex[core->link_vertices] = v;
-    return core->local[v] = (pbw_index)core->link_vertices++;
+    return core->link_index[v] = (pbw_index)core->link_vertices++;
 }
 
 /* Notes the simplices of the cavity before they are deleted.  PBW__DEFERRED: not all of their corners are ours. */
@@ -405,7 +407,7 @@ static pbw_status pbwl__journal_cavity(pbw__kernel *kernel)
             const pbw_index v = kernel->corner[4 * t + (size_t)k];
             if (v != PBW__GHOST) {
                 core->incident[v] = PBW_NONE;        /* until it is in the star */
-                (void)pbwl__link_place(core, v);
+                (void)pbwl__link_index(core, v);
             }
         }
         if (!core->touched[t]) {
@@ -1081,13 +1083,13 @@ PBW__INLINE pbw_status pbwl__star_facet(pbwl__core *core, pbw_index v, size_t i)
     if (i > 0) {                                     /* it has two vertices of the simplex it was met from */
         const unsigned from = ears->seed[i], b = ears->next[from];
         here = ears->opposite[from];
-        ears->vertex[here] = (unsigned char)pbwl__link_place(core, corner[here & 3]);
+        ears->vertex[here] = (unsigned char)pbwl__link_index(core, corner[here & 3]);
         ears->vertex[ears->next[ears->next[here]]] = ears->vertex[b];
         ears->vertex[ears->next[here]] = ears->vertex[ears->next[b]];
     } else {
         ears->seed[0] = ears->opposite[around[1]];
         for (k = 1; k < 4; k++) {
-            ears->vertex[around[k]] = (unsigned char)pbwl__link_place(core, corner[around[k]]);
+            ears->vertex[around[k]] = (unsigned char)pbwl__link_index(core, corner[around[k]]);
         }
     }
     return PBW_OK;
@@ -1110,7 +1112,7 @@ static pbw_status pbwl__open_star(pbwl__core *core, pbw_index v)
     kernel->scratch.cavity[0] = core->incident[v];
     kernel->scratch.cavity_count = 1;
     kernel->mark[core->incident[v]] = 1;
-    core->link_vertex[0] = PBW__GHOST;               /* core->local[PBW__GHOST] is always 0 */
+    core->link_vertex[0] = PBW__GHOST;               /* core->link_index[PBW__GHOST] is always 0 */
     core->link_vertices = 1;
     core->new_simplices = 0;
     for (i = 0; i < kernel->scratch.cavity_count && status == PBW_OK; i++) {
@@ -1241,7 +1243,7 @@ static pbw_status pbwl__open_hole(pbwl__core *core, pbw_index v)
         (void)pbw__leave_cavity(kernel, count);
         return status;
     }
-    core->link_vertex[0] = PBW__GHOST;               /* core->local[PBW__GHOST] is always 0 */
+    core->link_vertex[0] = PBW__GHOST;               /* core->link_index[PBW__GHOST] is always 0 */
     core->link_vertices = 1;
     core->hole_facets = core->new_simplices = 0;
     for (i = 0; i < count; i++) {
@@ -1250,7 +1252,7 @@ static pbw_status pbwl__open_hole(pbwl__core *core, pbw_index v)
         pbwl__hole_facet *hole_facet = core->hole_facet + core->hole_facets++;
         pbwl__facet_of(kernel->corner + 4 * t, at, (int)dim, hole_facet->v);
         for (k = 0; k < dim; k++) {
-            hole_facet->v[k] = pbwl__link_place(core, hole_facet->v[k]);
+            hole_facet->v[k] = pbwl__link_index(core, hole_facet->v[k]);
         }
         hole_facet->key = pbwl__facet_key(hole_facet->v, dim);
         hole_facet->across = kernel->link[4 * t + at];
@@ -1593,9 +1595,9 @@ static void pbwl__gathered_free(pbw_memory *memory, pbwl__gathered *gathered)
     pbw__release(memory, gathered->points, gathered->room * gathered->dim, sizeof(double));
     pbw__release(memory, gathered->weights, gathered->room, sizeof(double));
     pbw__release(memory, gathered->list, gathered->room, sizeof(pbw_index));
+    memset(gathered, 0, sizeof(*gathered));
 }
 
-    memset(gathered, 0, sizeof(*gathered));
 static int pbwl__gathered_create(pbw_memory *memory, pbwl__gathered *gathered, size_t room, int dim)
 {
     gathered->room = room;
@@ -1709,11 +1711,11 @@ static void pbwl__core_take_share(void *arg, int task)
 /* Makes room for vertices and numbers. */
 static int pbwl__core_reserve(pbwl__core *core, size_t records, size_t numbers)
 {
-    if (!PBWL__CORE_GROW(core, incident, records) || !PBWL__CORE_GROW(core, local, records)
+    if (!PBWL__CORE_GROW(core, incident, records) || !PBWL__CORE_GROW(core, link_index, records)
         || !PBWL__CORE_GROW(core, vertex, numbers) || !PBWL__CORE_GROW(core, twin, numbers)) {
         return 0;
     }
-    memset(core->local, 0, core->local_capacity * sizeof(pbw_index));
+    memset(core->link_index, 0, core->link_index_capacity * sizeof(pbw_index));
     return 1;
 }
 
@@ -1733,9 +1735,9 @@ static pbw_status pbwl__core_take(pbwl__core *core, pbw__vertices *vertices, con
     core->duplicate_count = vertices->duplicate_count;
     core->grid = vertices->grid;
     vertices->record = NULL;
+    vertices->room = 0;
     vertices->id = NULL;
     taking.core = core;
-    vertices->room = 0;
     taking.list = list;
     taking.tasks = pbw__tasks(context, vertices->count, 16384);
     taking.box = (double (*)[8])pbw__allocate(&context->memory, (size_t)taking.tasks, sizeof(*taking.box));
@@ -1764,8 +1766,6 @@ static pbw_status pbwl__core_take(pbwl__core *core, pbw__vertices *vertices, con
     return PBW_OK;
 }
 
-/* Makes a kernel for the vertices of the core. */
-static pbw_status pbwl__core_start(pbw__context *context, pbwl__core *core, pbw__vertices *vertices)
 /* Packs the slots of a build in space along the curve.  As built, half of the simplices are more than 1024 slots away
    from a neighbour; packed, one in 13 is, and tests of all vertices and removals take two thirds of the time. */
 static pbw_status pbwl__core_pack(pbw__context *context, pbwl__core *core, pbw__vertices *vertices)
@@ -1788,6 +1788,8 @@ static pbw_status pbwl__core_pack(pbw__context *context, pbwl__core *core, pbw__
     return status;
 }
 
+/* Makes a kernel for the vertices of the core. */
+static pbw_status pbwl__core_start(pbw__context *context, pbwl__core *core, pbw__vertices *vertices)
 {
     pbw_status status;
     vertices->record = core->record;
@@ -1833,16 +1835,16 @@ static pbw_status pbwl__core_build(pbw__context *context, pbwl__gathered *gather
               : !pbwl__core_reserve(core, vertices.point_count + 1, numbers) ? PBW_ERROR_MEMORY
               : pbwl__core_take(core, &vertices, gathered->list);
         status = taken != PBW_OK ? taken : status;
+        pbwl__gathered_free(&context->memory, gathered);
     }
     if (status == PBW_OK) {
-        pbwl__gathered_free(&context->memory, gathered);
         memset(core->incident, 0xff, core->incident_capacity * sizeof(pbw_index));           /* PBW_NONE */
     }
-    status = status == PBW_OK ? pbwl__core_start(context, core, &vertices) : status;
-    if (status == PBW_OK) {
     if (status == PBW_OK && core->kernel.dim == 3 && sizeof(pbw__link) == sizeof(pbw_index)) {
         status = pbwl__core_pack(context, core, &vertices);
     }
+    status = status == PBW_OK ? pbwl__core_start(context, core, &vertices) : status;
+    if (status == PBW_OK) {
         status = pbwl__core_scan(core);
         pbwl__swap_hidden(core);
         pbwl__journal_clear(core);
@@ -2525,7 +2527,7 @@ PBW__INLINE void pbwl__prefetch(const pbw_live *live, size_t i, size_t end)
         }
         if (near < live->numbers && (live->state[near] & PBWL__COMMITTED) != 0) {
             PBW__PREFETCH(pbwl__core_record(&live->core, live->core.vertex[near]));
-            PBW__PREFETCH(live->core.local + live->core.vertex[near]);
+            PBW__PREFETCH(live->core.link_index + live->core.vertex[near]);
         }
     }
 }
@@ -3091,7 +3093,7 @@ PBW__INLINE void pbwl__prefetch_star(const pbwl__core *core, pbw_index v, int st
                 PBW__PREFETCH(core->kernel.mark + (behind >> 2));
             } else {
                 PBW__PREFETCH(core->record + width * corner[behind]);
-                PBW__PREFETCH(core->local + corner[behind]);
+                PBW__PREFETCH(core->link_index + corner[behind]);
             }
         }
     }
@@ -3603,18 +3605,19 @@ static pbw_status pbwl__batch_reserve(pbw_live *live, size_t more, int new_verti
 {
     pbwl__core *core = &live->core;
     const size_t vertices = core->vertex_count + (new_vertices ? more : 0) + 1, width = (size_t)live->dim + 1;
-    const size_t old = core->local_capacity;
+    const size_t old = core->link_index_capacity;
     const int room = vertices < PBWL__VERTEX_REMOVED && PBWL__CORE_GROW(core, vertex, live->count)
         && PBWL__CORE_GROW(core, twin, live->count) && PBWL__CORE_GROW(core, record, vertices * width)
         && PBWL__CORE_GROW(core, name, vertices) && PBWL__CORE_GROW(core, incident, vertices)
-        && PBWL__CORE_GROW(core, local, vertices) && PBWL__CORE_GROW(core, link_vertex, more + 1)
+        && PBWL__CORE_GROW(core, link_index, vertices) && PBWL__CORE_GROW(core, neighbor, vertices)
+        && PBWL__CORE_GROW(core, link_vertex, more + 1)
         && PBWL__CORE_GROW(core, unused, core->unused_count + more)
         && PBWL__CORE_GROW(core, next_hidden, core->hidden_count)
         && PBWL__CORE_GROW(core, next_container, core->hidden_count) && PBWL__GROW(live, head, more + 1)
         && PBWL__GROW(live, leaving, more + 1) && PBWL__GROW(live, arriving, more + 1)
         && PBWL__GROW(live, joining, more + 1);
     core->kernel.record = core->record;              /* it may have moved even if memory ran short later */
-    memset(core->local + old, 0, (core->local_capacity - old) * sizeof(pbw_index));
+    memset(core->link_index + old, 0, (core->link_index_capacity - old) * sizeof(pbw_index));
     return !room ? PBW_ERROR_MEMORY : new_vertices ? pbwl__place_reserve(live, more) : PBW_OK;
 }
 
@@ -3623,7 +3626,7 @@ static pbw_status pbwl__batch_reserve(pbw_live *live, size_t more, int new_verti
 static size_t pbwl__affect(pbw_live *live, pbw_index v, pbw_index head)
 {
     pbwl__core *core = &live->core;
-    const size_t before = core->link_vertices, at = pbwl__link_place(core, v);
+    const size_t before = core->link_vertices, at = pbwl__link_index(core, v);
     if (core->link_vertices != before) {
         live->head[at] = head;
     }
@@ -3662,7 +3665,7 @@ static pbw_index pbwl__new_vertex(pbw_live *live, const double *x, pbw_index id)
     record[dim] = live->weight[id];
     core->incident[v] = PBWL__VERTEX_PENDING;
     core->name[v] = id;
-    core->local[v] = 0;
+    core->neighbor[v] = 0;
     return v;
 }
 
@@ -3709,7 +3712,7 @@ static int pbwl__elect(pbw_live *live, size_t at)
     if (core->incident[v] == PBWL__VERTEX_PENDING) {
         core->name[v] = best;
         core->record[v * ((size_t)live->dim + 1) + (size_t)live->dim] = live->weight[best];
-        core->local[v] = 0;
+        core->neighbor[v] = 0;
         return 1;
     }
     if (best == core->name[v]) {
@@ -3728,9 +3731,10 @@ static int pbwl__elect(pbw_live *live, size_t at)
     return pbwl__set(live, PBWL__EDIT_PLACE, pbwl__place_find(core, pbwl__core_record(core, v)), other);
 }
 
-/* Sorts a list along the curve by the points base[list[i] * stride]. */
-static pbw_status pbwl__sort(const pbw_live *live, const double *base, size_t stride, pbw_index *list,
-                             size_t count)
+/* Sorts a list along the curve by the points base[list[i] * stride].  order (may be NULL) gets for each entry its
+   index before. */
+static pbw_status pbwl__sort(const pbw_live *live, const double *base, size_t stride, pbw_index *list, size_t count,
+                             pbw_index *order)
 {
     pbw__context *context = live->core.kernel.context;
     const size_t dim = (size_t)live->dim;
@@ -3740,6 +3744,9 @@ static pbw_status pbwl__sort(const pbw_live *live, const double *base, size_t st
     pbw__vertices vertices;
     pbw_status status = PBW_ERROR_MEMORY;
     size_t i;
+    for (i = 0; i < count && order != NULL; i++) {
+        order[i] = (pbw_index)i;
+    }
     if (count < 3) {
         return PBW_OK;
     }
@@ -3759,6 +3766,9 @@ static pbw_status pbwl__sort(const pbw_live *live, const double *base, size_t st
         for (i = 0; i < count; i++) {
             list[i] = gathered.list[vertices.id[i + 1]];
         }
+        if (order != NULL) {
+            memcpy(order, vertices.id + 1, count * sizeof(pbw_index));
+        }
         pbw__vertices_free(context, &vertices);
         status = pbw__enter_stage(context, stage) ? PBW_CANCELLED : PBW_OK;
     }
@@ -3775,7 +3785,7 @@ static pbw_status pbwl__batch_arrivals(pbw_live *live)
         count += (live->state[live->queue[i]] & PBWL__NEW_PLACE) != 0;
     }
     live->joining_count = count;
-    return pbwl__sort(live, live->point, (size_t)live->dim, live->joining, count);
+    return pbwl__sort(live, live->point, (size_t)live->dim, live->joining, count, NULL);
 }
 
 /* Returns the vertex for the i-th number that arrives: first the unused ones, then new ones. */
@@ -3801,7 +3811,7 @@ static pbw_status pbwl__arrive_make(void *arg, size_t from, size_t to)
         record[dim] = live->weight[id];
         core->incident[v] = PBWL__VERTEX_PENDING;
         core->name[v] = id;
-        core->local[v] = 0;
+        core->neighbor[v] = 0;
         live->arriving[from] = v;
     }
     return PBW_OK;
@@ -3967,8 +3977,7 @@ static pbw_index pbwl__near_leaving(void *arg, pbwl__core *core, size_t i)
     return ((const pbw_live *)arg)->leaving[i];
 }
 
-/* Removes the i-th vertex that leaves.  If its number arrives elsewhere, `local` of the new vertex gets a neighbour.
-   */
+/* Removes the i-th vertex that leaves.  If its number arrives elsewhere, the new vertex gets a neighbour. */
 static pbw_status pbwl__change_leaving(void *arg, pbwl__core *core, size_t i, pbw_index near)
 {
     const pbw_live *live = (const pbw_live *)arg;
@@ -3982,17 +3991,17 @@ static pbw_status pbwl__change_leaving(void *arg, pbwl__core *core, size_t i, pb
     status = status == PBW_OK ? pbwl__remove_vertex(core, v) : status;
     if (status == PBW_OK && other != v && pbwl__hold(&core->kernel, other)
         && core->incident[other] == PBWL__VERTEX_PENDING) {
-        core->local[other] = core->link_vertex[core->link_vertices - 1];
+        core->neighbor[other] = core->link_vertex[core->link_vertices - 1];
     }
     return status;
 }
 
-/* Returns a vertex near the i-th that arrives: the last one in its cell, or the neighbour in `local`. */
+/* Returns a vertex near the i-th that arrives: the last one in its cell, or its neighbour. */
 static pbw_index pbwl__near_arriving(void *arg, pbwl__core *core, size_t i)
 {
     const pbw_index v = ((const pbw_live *)arg)->arriving[i];
     const double *p = pbwl__core_record(core, v);
-    return pbwl__nearer_start(core, core->local[v],
+    return pbwl__nearer_start(core, core->neighbor[v],
                               core->start != NULL ? PBW__LOAD(core->start + pbwl__start_cell(core, p)) : 0, p);
 }
 
@@ -4021,7 +4030,8 @@ static pbw_status pbwl__batch_run(pbw_live *live, size_t most_effort)
     pbwl__core *core = &live->core;
     const double all = (double)(live->leaving_count + live->arriving_count + 1);
     pbwl__changing batch;
-    pbw_status status = pbwl__sort(live, core->record, (size_t)live->dim + 1, live->leaving, live->leaving_count);
+    pbw_status status = pbwl__sort(live, core->record, (size_t)live->dim + 1, live->leaving, live->leaving_count,
+                                   NULL);
     size_t i;
     for (i = 0; i < live->arriving_count / 2; i++) { /* backwards: the slots freed last are taken first, and near */
         const pbw_index v = live->arriving[i];
@@ -4303,11 +4313,11 @@ static pbw_status pbwl__change_again(void *arg, pbwl__core *core, size_t i, pbw_
         if (status != PBW_OK) {
             return status;
         }
-        core->local[v] = core->link_vertex[core->link_vertices - 1];
+        core->neighbor[v] = core->link_vertex[core->link_vertices - 1];
         core->reinserted++;
         pbwl__shift_exchange(live, i);
     }
-    near = pbwl__nearer_start(core, core->local[v], 0, pbwl__core_record(core, v));
+    near = pbwl__nearer_start(core, core->neighbor[v], 0, pbwl__core_record(core, v));
     if (near == 0 && core->kernel.own.owner != NULL) {
         return PBW__DEFERRED;
     }
@@ -4396,15 +4406,7 @@ static pbw_status pbwl__shift_all(pbw_live *live, size_t most_effort)
     pbwl__core *core = &live->core;
     const size_t count = live->leaving_count;
     pbwl__changing batch;
-    pbw_status status;
-    size_t i;
-    for (i = 0; i < count; i++) {
-        core->local[live->leaving[i]] = (pbw_index)i;
-    }
-    status = pbwl__sort(live, core->record, (size_t)live->dim + 1, live->leaving, count);
-    for (i = 0; i < count; i++) {
-        live->arriving[i] = core->local[live->leaving[i]];
-    }
+    pbw_status status = pbwl__sort(live, core->record, (size_t)live->dim + 1, live->leaving, count, live->arriving);
     memset(&batch, 0, sizeof(batch));
     batch.arg = live;
     batch.near = pbwl__near_leaving;
