@@ -41,6 +41,13 @@
 #endif
 #endif
 
+/* Tests of vector code are behind #ifdef PBW__SIMD: no processor with vectors may lose them by a name that changed. */
+#if defined(PBW__IMPLEMENTED) && defined(__GNUC__) && (defined(__x86_64__) || defined(__AARCH64EL__))
+#if !defined(PBW__SIMD) && !defined(PBW_NO_SIMD) && !defined(PBW__FMA)
+#error "pbw.h has vectors for this processor, but not PBW__SIMD"
+#endif
+#endif
+
 static uint64_t test_seed = 1;                  /* --seed */
 static long test_count;                         /* --count, else what test_start was given */
 static long test_part = 1, test_parts = 1;      /* --part */

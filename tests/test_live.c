@@ -834,7 +834,7 @@ static void test_wrong(void)
     }
 }
 
-#ifdef PBW__SIMD                                        /* with the implementation */
+#ifdef PBW__SIMD                                        /* in test_live_local.c; test.h refuses to lose it */
 /* Looks at all facets of vertices that have moved a little, which no triangulation fits: returns how many have a
    verdict by depths, and checks these with the exact signs. */
 static size_t depths_verdicts(pbw_live *live, double scale)
