@@ -107,6 +107,34 @@ nothing_left() {     # nothing_left NAME SAYS-ARGUMENT...: no scratch files and 
 }
 check "no file, and leftovers" nothing_left k3.3.bin 1 "--no-mesh does not do them" tiles k3.3.bin --tiles 3 --no-mesh
 
+# On a terminal: after an interruption nothing is drawn behind the words that tell it.
+cat > interrupt.py << 'END'
+import os, pty, signal, subprocess, sys
+outer, inner = pty.openpty()
+run = subprocess.Popen(sys.argv[1:], stdin=inner, stdout=inner, stderr=inner)
+os.close(inner)
+said = b""
+try:
+    while True:
+        more = os.read(outer, 4096)
+        if not more:
+            break
+        if b" 1 of 24: " in said + more and b" 1 of 24: " not in said:
+            run.send_signal(signal.SIGINT)
+        said += more
+except OSError:                                      # the end on Linux
+    pass
+run.wait()
+told = said.find(b"interrupted; ")
+sys.exit(told < 0 or b"several" in said[told:])
+END
+if command -v python3 > /dev/null; then
+    check "nothing is drawn behind an interruption" timeout 60 python3 interrupt.py "$pbw" tiles long.bin --tiles 24 \
+        --threads 4 --work 4 -o i.pbwt
+else
+    skip "no python3 for a terminal"
+fi
+
 # Files that are damaged: every tenth of the file, one byte changed.
 size=$(wc -c < c.pbwt)
 damaged() {

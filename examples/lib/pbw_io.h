@@ -404,12 +404,12 @@ static int pbwio__same(const char *a, size_t a_length, const char *b, size_t b_l
     return i == a_length && i == b_length;
 }
 
-static void pbwio__message(pbwio_error *error, const char *name, const char *place, const char *format, va_list list)
+static void pbwio__message(pbwio_error *error, const char *name, const char *where, const char *format, va_list list)
 {
     size_t length = strlen(name), used;
     const char *tail = length > 200 ? name + length - 200 : name;      /* the end of a long path tells more */
     if (error != NULL) {
-        snprintf(error->text, sizeof error->text, "%s%s%s ", length > 200 ? "..." : "", tail, place);
+        snprintf(error->text, sizeof error->text, "%s%s%s ", length > 200 ? "..." : "", tail, where);
         used = strlen(error->text);
         vsnprintf(error->text + used, sizeof error->text - used, format, list);
     }
@@ -980,18 +980,18 @@ typedef struct pbwio__reader {
 PBWIO__PRINTF(3, 4)
 static void pbwio__fail(pbwio__reader *r, pbwio_status status, const char *format, ...)
 {
-    char place[40];
+    char where[40];
     va_list list;
     if (r->status != PBWIO_OK) {
         return;
     }
     if (r->line_number != 0) {
-        snprintf(place, sizeof place, ":%zu:", r->line_number);
+        snprintf(where, sizeof where, ":%zu:", r->line_number);
     } else {
-        snprintf(place, sizeof place, ": byte %zu:", (size_t)(r->at - r->begin));
+        snprintf(where, sizeof where, ": byte %zu:", (size_t)(r->at - r->begin));
     }
     va_start(list, format);
-    pbwio__message(r->error, r->name, place, format, list);
+    pbwio__message(r->error, r->name, where, format, list);
     va_end(list);
     r->status = status;
 }
@@ -5509,7 +5509,7 @@ static size_t pbwio__assign_set(pbwio__reader *r, pbwio__inp *p, pbw_index s, in
 {
     const pbwio__set *set = p->sets.at + s;
     const pbwio__index *n = set->kind == 'n' ? &p->points : &p->elements;
-    size_t count = 0, at, place, k;
+    size_t count = 0, at, entry, k;
     pbw_index i;
     if ((set->kind == 'n') != (dim == 0)) {
         return 0;
@@ -5527,11 +5527,11 @@ static size_t pbwio__assign_set(pbwio__reader *r, pbwio__inp *p, pbw_index s, in
                 || (dim < 4 ? side != 4 || (dim > 0 && e->dim != dim) : side < 0 || side > 3 || e->dim != 7 - dim)) {
                 continue;
             }
-            place = dim < 4 ? e->first : 4 * at + (size_t)side;
+            entry = dim < 4 ? e->first : 4 * at + (size_t)side;
             for (k = 0; k < (dim < 4 ? (size_t)e->count : 1); k++) {
-                p->sum ^= dim >= 4 && of[place + k] != s ? pbwio__facet_hash(r->cloud, e, side) : 0;
-                count += of[place + k] != s;
-                of[place + k] = s;
+                p->sum ^= dim >= 4 && of[entry + k] != s ? pbwio__facet_hash(r->cloud, e, side) : 0;
+                count += of[entry + k] != s;
+                of[entry + k] = s;
             }
         }
     }
@@ -5561,7 +5561,7 @@ static void pbwio__report_lost(pbwio__reader *r, pbwio__inp *p, int dim, const s
 }
 
 /* Finds out which of the sets are groups of points, elements or facets (dim, as above), makes groups of them, in the
-   order of the sets, and puts the numbers of sets into `of`, which has `total` places; PBW_NONE: in none. */
+   order of the sets, and puts the numbers of sets into `of`, which has `total` entries; PBW_NONE: in none. */
 static void pbwio__assign_sets(pbwio__reader *r, pbwio__inp *p, int dim, pbw_index *of, size_t total)
 {
     const uint64_t boundary = p->sum;
@@ -5845,7 +5845,7 @@ static void pbwio__read_su2(pbwio__reader *r)
 #define PBWIO__DEEPEST 64
 #define PBWIO__NUMBERS 16                    /* an array of more numbers is a list, not a point */
 
-#define PBWIO__LISTS 24                      /* lists of other names than the first ones share the last place */
+#define PBWIO__LISTS 24                      /* lists of other names than the first ones share the last entry */
 
 typedef struct pbwio__list {                 /* points under one name */
     pbwio__field name;

@@ -287,7 +287,7 @@ struct pbwm2__job {
     PBW_ARRAY(pbwm2__vector) given;        /* the caller's points; crossings are added */
     pbwm2__pieces segments;                /* pieces in their numbers; parts are added */
     pbwm2__indices original;               /* per vertex: its number in given */
-    pbwm2__indices vertex;                 /* and back; a duplicate has the vertex at its place */
+    pbwm2__indices vertex;                 /* and back; a duplicate has the vertex at its coordinates */
     pbwm2__pieces pieces;
     PBW_ARRAY(pbwm2__group) groups;
     PBW_ARRAY(pbwm2__joint) chain[2];      /* left and right of a segment */
@@ -342,8 +342,8 @@ static int pbwm2__step(pbwm2__job *job, double done)
     return job->fault == PBW_CANCELLED;
 }
 
-/* The share of items that a loop has done. */
-static double pbwm2__share(size_t i, size_t count)
+/* The fraction of items that a loop has done. */
+static double pbwm2__fraction(size_t i, size_t count)
 {
     return (double)i / (double)count;
 }
@@ -484,8 +484,8 @@ static int pbwm2__in_turn(const pbwm2__job *job, pbw_index u, pbw_index from, pb
     return !(pbwm2__orient(job, u, to, x) > 0 && pbwm2__orient(job, u, x, from) > 0);
 }
 
-/* Returns the place of the apex for the base between places low and high of the chain; 0 if no vertex between them is
-   on the inner side, which cannot happen in the cavity of a segment. */
+/* Returns the index of the apex for the base between vertices low and high of the chain; 0 if no vertex between them
+   is on the inner side, which cannot happen in the cavity of a segment. */
 static size_t pbwm2__apex(const pbwm2__job *job, const pbwm2__joint *chain, size_t low, size_t high)
 {
     const pbw_index a = chain[low].v, b = chain[high].v;
@@ -853,7 +853,7 @@ static int pbwm2__insert_piece(pbwm2__job *job, pbw_index number)
 
 /* ---- the triangulation of the points */
 
-/* Takes over the arrays of a mesh: links with the number of the edge, in place of neighbours. */
+/* Takes over the arrays of a mesh: links with the number of the edge, instead of neighbours. */
 static pbw_status pbwm2__take_mesh(pbwm2__job *job, const pbw_mesh *mesh)
 {
     const pbw_index *neighbor = mesh->neighbors;
@@ -969,7 +969,7 @@ static pbw_status pbwm2__constrain(pbwm2__job *job, int *crosses)
         } else if (result == PBWM2__CROSSES) {
             *crosses = 1;
             return PBW_OK;
-        } else if (pbwm2__step(job, pbwm2__share(i, job->piece_count))) {
+        } else if (pbwm2__step(job, pbwm2__fraction(i, job->piece_count))) {
             status = pbwm2__say(job, PBW_CANCELLED, NULL);
         }
     }
@@ -1110,7 +1110,7 @@ static int pbwm2__add_cut(pbwm2__job *job, pbwm2__cuts *cuts, pbw_index segment,
     return PBWM2__PUSH(job, *cuts, cut);
 }
 
-/* Adds the pairs of the segment at place i of the tree with those of later places. */
+/* Adds the pairs of the segment of leaf i of the tree with those of later leaves. */
 static int pbwm2__pairs_of(pbwm2__job *job, const pbwm2__tree *tree, size_t i, pbwm2__cuts *pairs)
 {
     const pbwm2__piece *segment = job->segments.at;
@@ -1159,7 +1159,7 @@ static pbw_status pbwm2__find_pairs(pbwm2__job *job, pbwm2__cuts *pairs)
     status = pbwm2__build_tree(job, &tree);
     for (i = 0; status == PBW_OK && i < job->segments.count; i++) {
         status = !pbwm2__pairs_of(job, &tree, i, pairs) ? PBW_ERROR_MEMORY
-               : pbwm2__step(job, pbwm2__share(i, job->segments.count)) ? PBW_CANCELLED : PBW_OK;
+               : pbwm2__step(job, pbwm2__fraction(i, job->segments.count)) ? PBW_CANCELLED : PBW_OK;
     }
     PBW_RELEASE(&job->memory, tree.order);
     PBW_RELEASE(&job->memory, tree.boxes);
@@ -3183,10 +3183,11 @@ static pbw_status pbwm2__refine_all(pbwm2__refiner *r)
 static void pbwm2__count_faults(const pbwm2__refiner *r)
 {
     pbw_plane_report *report = &r->job->plane->report;
+    const size_t count = r->job->triangles.count;
     double shortest2;
     size_t i;
     r->job->stage = PBW_STAGE_CHECK;
-    for (i = 0; i < r->job->triangles.count && !pbwm2__step(r->job, pbwm2__share(i, r->job->triangles.count)); i++) {
+    for (i = 0; i < count && !pbwm2__step(r->job, pbwm2__fraction(i, count)); i++) {
         const pbwm2__triangle *t = r->job->t + i;
         if (t->v[0] != PBW_NONE) {
             report->small_angles += (size_t)pbwm2__is_sharp(r, t, &shortest2);
@@ -3323,7 +3324,7 @@ static int pbwm2__sort_triangles(pbwm2__job *job)
         for (code = head[i]; code != PBW_NONE; code = next[PBWM2__SLOT(code)]) {
             item[count++] = code;
         }
-        ok = pbwm2__sort_fan(job, item + first, count - first) && !pbwm2__step(job, pbwm2__share(i, 4 * n));
+        ok = pbwm2__sort_fan(job, item + first, count - first) && !pbwm2__step(job, pbwm2__fraction(i, 4 * n));
     }
     for (i = 0; i < count; i++) {
         next[PBWM2__SLOT(item[i])] = (pbw_index)(4 * i + PBWM2__SIDE(item[i]));
@@ -3410,7 +3411,7 @@ static int pbwm2__out_triangles(pbwm2__job *job, pbwm2__block *block)
     corner = block->triangles.at;
     neighbor = block->neighbors.at;
     edge = job->old.at;
-    for (i = 0; i < count && !pbwm2__step(job, 0.25 + pbwm2__share(i, 2 * count)); i++) {
+    for (i = 0; i < count && !pbwm2__step(job, 0.25 + pbwm2__fraction(i, 2 * count)); i++) {
         const pbwm2__triangle *t = job->t + PBWM2__SLOT(item[i]);
         unsigned side = PBWM2__SIDE(item[i]);
         if (i + 16 < count) {
@@ -3511,7 +3512,7 @@ static int pbwm2__out_edges(pbwm2__job *job, pbwm2__block *block)
         end[2 * i + 1] = vertex[t->v[pbwm2__last[side]]];
         first[i] = list->count;
         if (!pbwm2__out_segments(job, list, pbwm2__host_of(job, t->edge[side]))
-            || pbwm2__step(job, 0.75 + pbwm2__share(i, 4 * count))) {
+            || pbwm2__step(job, 0.75 + pbwm2__fraction(i, 4 * count))) {
             return 0;
         }
     }
