@@ -126,10 +126,10 @@ typedef struct pbw_wrap_report {
     int refusal;                           /* PBW_WRAP_... */
     double alpha, offset;                  /* that were used */
     double volume, area;                   /* of the wrap; area: of its surface */
-    size_t open_edges;                     /* of the triangles: edges of an odd number of them; points at one place
-                                              count as one */
-    int shell;                             /* 1: the wrap is thin everywhere, and there are open edges or no
-                                              triangles: it goes around both sides of what is open */
+    size_t open_edges;                     /* where the wrap is thin everywhere, else 0: the triangles' edges that an
+                                              odd number of them has; points at one place count as one */
+    int shell;                             /* 1: the wrap is thin, and there are open edges or no triangles: it goes
+                                              around both sides of what is open */
     double closing;                        /* with options.closing, of a shell: an alpha, found by bisection, that
                                               closes it; 0: none was found */
     size_t components;                     /* of the surface */
@@ -180,6 +180,7 @@ enum {
     PBWWR__BOX = 8,                        /* corners of the box */
     PBWWR__ICOSAHEDRON = 12,               /* corners around a seed */
     PBWWR__ROUND = 4096,                   /* gates of a round, at most */
+    PBWWR__FEW = 64,                       /* gates for one thread alone */
     PBWWR__GRAIN = 16                      /* verdicts that a thread takes at a time */
 };
 #define PBWWR__NEAREST 1e-9                /* least offset, by the largest coordinate */
@@ -384,9 +385,10 @@ static int pbwwr__first_place(const pbw_surface *surface, const double *a, const
 typedef struct pbwwr__tet {                /* as a set that may meet others */
     const double *c[4];
     double low[3], high[3];
-    double normal[4][3], most[4];          /* of facets, outward; the most of normal . x over the corners */
-    double slack[4];                       /* of each normal, see pbwwr__slack */
+    double normal[4][3], most[4];          /* of facets, outward; what n . x is above beyond them, see pbwwr__slack */
+    int nearest[4][3];                     /* the corner of a box with the least n . x: of the 6 numbers low, high */
     double largest;
+    int last;                              /* the facet that had something beyond it before: it is tried first */
 } pbwwr__tet;
 
 /* How far two sets' values of n . x must be apart.  A computed n . x differs from the true one of that n and x by up
@@ -410,15 +412,19 @@ static void pbwwr__set_tet(pbwwr__tet *t, double largest)
         }
     }
     for (i = 0; i < 4; i++) {
-        pbwsf__normal(t->c[PBW_FACET_CORNER(i, 0)], t->c[PBW_FACET_CORNER(i, 1)], t->c[PBW_FACET_CORNER(i, 2)],
-                      t->normal[i]);
+        double *n = t->normal[i];
+        pbwsf__normal(t->c[PBW_FACET_CORNER(i, 0)], t->c[PBW_FACET_CORNER(i, 1)], t->c[PBW_FACET_CORNER(i, 2)], n);
         t->most[i] = -HUGE_VAL;
         for (k = 0; k < 4; k++) {
-            const double x = pbwsf__dot(t->normal[i], t->c[k]);
+            const double x = pbwsf__dot(n, t->c[k]);
             t->most[i] = x > t->most[i] ? x : t->most[i];
         }
-        t->slack[i] = pbwwr__slack(t->normal[i], largest);
+        t->most[i] += pbwwr__slack(n, largest);
+        for (k = 0; k < 3; k++) {
+            t->nearest[i][k] = n[k] > 0 ? k : 3 + k;
+        }
     }
+    t->last = 0;
 }
 
 /* Whether an axis shows that the tetrahedron and the triangle are apart. */
@@ -437,23 +443,17 @@ static int pbwwr__is_axis(const pbwwr__tet *t, const double *const c[3], const d
 }
 
 /* Returns 0 only if the tetrahedron and the triangle have no common point. */
-static int pbwwr__may_meet(const pbwwr__tet *t, const double *const c[3])
+static int pbwwr__may_meet(pbwwr__tet *t, const double *const c[3])
 {
     double u[3], v[3], n[3];
-    int i, j, inside = 7;                            /* bits of corners that are behind all facets */
+    int i, j;
     for (i = 0; i < 4; i++) {
-        double least = HUGE_VAL;
-        for (j = 0; j < 3; j++) {
-            const double x = pbwsf__dot(t->normal[i], c[j]);
-            least = x < least ? x : least;
-            inside &= x > t->most[i] ? ~(1 << j) : 7;
-        }
-        if (least > t->most[i] + t->slack[i]) {
+        const int f = t->last ^ i;
+        if (pbwsf__dot(t->normal[f], c[0]) > t->most[f] && pbwsf__dot(t->normal[f], c[1]) > t->most[f]
+            && pbwsf__dot(t->normal[f], c[2]) > t->most[f]) {
+            t->last = f;
             return 0;
         }
-    }
-    if (inside != 0) {
-        return 1;
     }
     pbwsf__normal(c[0], c[1], c[2], n);
     if (pbwwr__is_axis(t, c, n)) {
@@ -473,31 +473,26 @@ static int pbwwr__may_meet(const pbwwr__tet *t, const double *const c[3])
     return 1;
 }
 
-/* Returns PBWWR__APART if the box has no common point with the tetrahedron, PBWWR__MEETS if it is inside, up to
-   rounding, PBWWR__UNKNOWN else. */
-static int pbwwr__meets_box(const pbwwr__tet *t, const pbwsf__box *box)
+/* Returns 0 only if the tetrahedron and the box have no common point. */
+static int pbwwr__may_meet_box(pbwwr__tet *t, const pbwsf__box *box)
 {
-    int i, k, inside = 1;
-    for (k = 0; k < 3; k++) {
-        if (t->low[k] > box->high[k] || t->high[k] < box->low[k]) {
-            return PBWWR__APART;
-        }
-        inside &= t->low[k] <= box->low[k] && t->high[k] >= box->high[k];
+    double side[6];
+    int i;
+    if (t->low[0] > box->high[0] || t->high[0] < box->low[0] || t->low[1] > box->high[1]
+        || t->high[1] < box->low[1] || t->low[2] > box->high[2] || t->high[2] < box->low[2]) {
+        return 0;
     }
+    memcpy(side, box->low, sizeof box->low);
+    memcpy(side + 3, box->high, sizeof box->high);
     for (i = 0; i < 4; i++) {
-        const double *n = t->normal[i];
-        double least = 0, most = 0;
-        for (k = 0; k < 3; k++) {
-            const double x = n[k] * box->low[k], y = n[k] * box->high[k];
-            least += x < y ? x : y;
-            most += x < y ? y : x;
+        const int f = t->last ^ i, *near = t->nearest[f];
+        const double *n = t->normal[f];
+        if (n[0] * side[near[0]] + n[1] * side[near[1]] + n[2] * side[near[2]] > t->most[f]) {
+            t->last = f;
+            return 0;
         }
-        if (least > t->most[i] + t->slack[i]) {
-            return PBWWR__APART;
-        }
-        inside &= most <= t->most[i];
     }
-    return inside ? PBWWR__MEETS : PBWWR__UNKNOWN;
+    return 1;
 }
 
 /* Returns 0 only if the tetrahedron has no common point with an element. */
@@ -513,11 +508,7 @@ static int pbwwr__meets(const pbw_surface *surface, const double *const corner[4
     stack[0] = 0;
     while (depth > 0) {
         const size_t i = stack[--depth];
-        const int answer = pbwwr__meets_box(&t, tree->boxes.at + i);
-        if (answer == PBWWR__MEETS) {
-            return 1;
-        }
-        if (answer == PBWWR__APART) {
+        if (!pbwwr__may_meet_box(&t, tree->boxes.at + i)) {
             continue;
         }
         if (i < tree->first_leaf) {
@@ -825,12 +816,20 @@ static int pbwwr__is_open(const pbwwr__work *w, const pbwwr__gate *gate)
         && (next == PBW_NONE || w->cells.at[next].carved);
 }
 
-/* The place at the offset from the element nearest to a centre, on its side. */
-static void pbwwr__project(const pbwwr__work *w, const double centre[3], const double from[3], double place[3])
+/* Finds the element nearest to p.  It is not beyond the limit, but for rounding. */
+static pbw_index pbwwr__nearest(const pbwwr__work *w, const double p[3], double limit, double place[3])
+{
+    const pbw_index found = pbw_surface_closest(&w->surface, p, 1.001 * limit, place);
+    return found != PBW_NONE ? found : pbw_surface_closest(&w->surface, p, HUGE_VAL, place);
+}
+
+/* The place at the offset from the element nearest to a centre, which is not beyond the radius, on its side. */
+static void pbwwr__project(const pbwwr__work *w, const double centre[3], double radius, const double from[3],
+                           double place[3])
 {
     double near[3], d[3], length;
     int k;
-    (void)pbw_surface_closest(&w->surface, centre, HUGE_VAL, near);
+    (void)pbwwr__nearest(w, centre, radius, near);
     pbwsf__minus(centre, near, d);
     length = sqrt(pbwsf__dot(d, d));
     if (!(length > 1e-6 * w->offset)) {
@@ -874,7 +873,7 @@ static void pbwwr__decide(const pbwwr__work *w, pbwwr__verdict *v)
     }
     if (v->meets == PBWWR__MEETS) {
         v->rule = 2;
-        pbwwr__project(w, to->centre, from, v->place);
+        pbwwr__project(w, to->centre, pbwsf__distance(to->centre, c[0]), from, v->place);
     }
 }
 
@@ -952,6 +951,7 @@ static pbw_status pbwwr__carry_out(pbwwr__work *w, const pbwwr__verdict *v)
 static pbw_status pbwwr__carve(pbwwr__work *w)
 {
     const double most = w->how->most > 0 ? w->how->most : 5e7;
+    pbw_options own = w->options;
     pbw_status status = PBW_OK;
     if (!PBW_FIT(&w->memory, w->verdicts, PBWWR__ROUND)) {
         return PBW_ERROR_MEMORY;
@@ -965,7 +965,8 @@ static pbw_status pbwwr__carve(pbwwr__work *w)
         if (w->verdicts.at[0].gate.radius < HUGE_VAL) {      /* facets are as many as 1 / radius^2 */
             w->done = fmax(w->done, 0.9 * pow(w->alpha / w->verdicts.at[0].gate.radius, 2));
         }
-        status = pbw_for(&w->options, count, PBWWR__GRAIN, pbwwr__decide_some, w);
+        own.threads = count < PBWWR__FEW ? 1 : w->options.threads;           /* starting some takes longer */
+        status = pbw_for(&own, count, PBWWR__GRAIN, pbwwr__decide_some, w);
         for (i = 0; i < count && status == PBW_OK; i++) {
             if (i % 256 == 255 && pbwwr__progress(w, PBW_STAGE_WORK, 0)) {
                 return PBW_CANCELLED;
@@ -1288,8 +1289,8 @@ static pbw_status pbwwr__find_nearest(void *arg, size_t from, size_t to)
             middle[k] = near->result->points.at[f[0]][k] / 3 + near->result->points.at[f[1]][k] / 3
                       + near->result->points.at[f[2]][k] / 3;
         }
-        near->result->elements.at[from] =
-            near->work->origin.at[pbw_surface_closest(&near->work->surface, middle, HUGE_VAL, place)];
+        near->result->elements.at[from] = near->work->origin.at[pbwwr__nearest(
+            near->work, middle, pbwsf__distance(middle, near->result->points.at[f[0]]) + near->work->offset, place)];
     }
     return PBW_OK;
 }
@@ -1702,12 +1703,12 @@ static pbw_status pbwwr__run(pbwwr__work *w, const pbw_wrap_input *in, pbw_wrap_
     start = (double)clock();
     w->done = fmax(w->done, 0.9);
     status = status != PBW_OK ? status : pbwwr__output(w, wrap);
-    status = status != PBW_OK ? status : pbwwr__count_open(w, in);
-    if (status == PBW_OK && (r->open_edges > 0 || in->triangle_count == 0)) {
-        r->shell = pbwwr__is_thin(w);
-        if (r->shell && w->how->closing && w->how->alpha_at == NULL) {
-            status = pbwwr__find_closing(w, &r->closing);
-        }
+    if (status == PBW_OK && pbwwr__is_thin(w)) {
+        status = pbwwr__count_open(w, in);
+        r->shell = r->open_edges > 0 || in->triangle_count == 0;
+    }
+    if (status == PBW_OK && r->shell && w->how->closing && w->how->alpha_at == NULL) {
+        status = pbwwr__find_closing(w, &r->closing);
     }
     r->seconds[2] = ((double)clock() - start) / CLOCKS_PER_SEC;
     w->done = 1;
