@@ -393,11 +393,12 @@ check "improve --only-smooth" says 0 "; 0 passes" improve low.msh --smooth lloyd
 check "improve --quality" says 0 "gamma            least" improve low.msh --quality
 
 # Fill: the surface's own triangles; what is refused says where.
-check "fill" says 0 "6 tetrahedra in 1 region, 8 points, 12 facets on the surface" fill cube.obj
-check "fill --split-flat" says 0 "14 points, 24 facets on the surface" fill cube.obj --split-flat
-check "fill: a cavity" says 0 " in 1 region, 16 points" fill both.obj
-check "fill --nested" says 0 " in 2 regions, 16 points" fill both.obj --nested
-check "fill --outside" says 0 " in 3 regions, 24 points" fill both.obj --outside
+check "fill" says 0 "tetrahedra in 1 region, 8 points, 0 of them new, 12 facets on the surface" fill cube.obj
+check "fill --conforming" says 0 "8 points, 0 of them new, 12 facets" fill cube.obj --conforming
+check "fill --split-flat" says 0 "14 points, 6 of them new, 24 facets" fill cube.obj --conforming --split-flat
+check "fill: a cavity" says 0 " in 1 region, 16 points" fill both.obj --conforming
+check "fill --nested" says 0 " in 2 regions, 16 points" fill both.obj --nested --conforming
+check "fill --outside" says 0 " in 3 regions, 24 points" fill both.obj --outside --conforming
 sed '$d' cube.obj > lidless.obj
 check "fill: open" says 1 "the surface is open: a triangle bounds no region; --outside keeps" fill lidless.obj
 sed '1s/.*/v 0.5 0.5 3/' cube.obj > crossed.obj

@@ -1468,12 +1468,14 @@ def fill_keeps_faces():
     cube = np.array(list(itertools.product((0.0, 1.0), repeat=3)))
     hull = pbw.Delaunay(cube).convex_hull
     two = np.vstack([cube, cube + [1, 0, 0]])
-    made = pbw.fill(two, np.vstack([hull, hull + 8]), split_flat=True, seeds=[[.5, .5, .25], [1.5, .5, .25]],
+    made = pbw.fill(two, np.vstack([hull, hull + 8]), seeds=[[.5, .5, .25], [1.5, .5, .25]],
                     seed_regions=[5, 2])
     check(made.report["doubles"] in (0, 2) and set(made.regions) == {2, 5}, made.report)
     for region in 2, 5:
         check(abs(volumes(made)[made.regions == region].sum() - 1) < 1e-12)
     check(set(map(tuple, np.sort(made.sides[made.sides[:, 1] >= 0], axis=1).tolist())) == {(2, 5)})
+    check(len(made.facets) == 24 - made.report["doubles"] and made.report["refusal"] == 0)
+    check(len(pbw.fill(cube, hull, conforming=True, split_flat=True).facets) >= 12)
     names = np.where(cube[hull].mean(axis=1)[:, 0] == 0, "inlet", "wall")
     made = pbw.fill(cube, hull, numbers=names)
     found = areas(made, "inlet")

@@ -237,6 +237,26 @@ static const char *check_union(const pbw_fill_input *in, const filling *f, int m
     return wrong;
 }
 
+/* The facets are triangles of the input, so many of them, each once. */
+static const char *check_exact(const pbw_fill_input *in, const filling *f, size_t count)
+{
+    unsigned char *found = (unsigned char *)calloc(in->triangle_count + 1, 1);
+    const char *wrong = f->facet_count == count ? NULL : "there are more facets than triangles, or fewer";
+    size_t i, k, j;
+    for (i = 0; i < f->facet_count && wrong == NULL; i++) {
+        const pbw_index *t = in->triangles + 3 * (size_t)f->facet_triangle[i];
+        size_t common = 0;
+        for (k = 0; k < 9; k++) {
+            j = f->original[f->facets[3 * i + k / 3]];
+            common += j != PBW_NONE && same_place(in->points + 3 * j, in->points + 3 * (size_t)t[k % 3]);
+        }
+        wrong = common != 3 ? "a facet has other corners than its triangle" : found[f->facet_triangle[i]]++
+              ? "a triangle has two facets" : NULL;
+    }
+    free(found);
+    return wrong;
+}
+
 /* Returns what is wrong with a result, NULL if nothing; volume < 0: not known. */
 static const char *fault_of(const pbw_fill_input *in, const filling *f, int merged, double volume)
 {
@@ -398,8 +418,12 @@ static size_t fill_and_check(const pbw_fill_input *in, const pbw_fill_options *h
     CHECK_EQUAL(status, PBW_OK);
     if (status == PBW_OK) {
         filling c = copy_of(&f);
+        const int exact = how == NULL || !how->conforming;
         const char *wrong = how != NULL && how->outside ? check_tets(in, &c)
-                          : fault_of(in, &c, how == NULL || !how->split_flat, volume);
+                          : fault_of(in, &c, !exact && !how->split_flat, volume);
+        wrong = wrong == NULL && exact ? check_exact(in, &c, in->triangle_count - report.doubles - report.collapsed)
+              : wrong;
+        CHECK_EQUAL(report.refusal, PBW_FILL_FILLED);
         if (!CHECK(wrong == NULL)) {
             test_say("%s", wrong);
         }
@@ -426,9 +450,11 @@ static void test_all_parts(void)
                 m.x[0][k] = rounded(m.x[0][k]);
             }
             in = input_of(m.x[0], m.points, m.t[0], m.triangles);
-            (void)fill_and_check(&in, &how, enclosed(&in));
-            how.split_flat = 1;
-            (void)fill_and_check(&in, &how, enclosed(&in));
+            for (k = 0; k < 3; k++) {                /* exact, flat facets, triangles */
+                how.conforming = k > 0;
+                how.split_flat = k > 1;
+                (void)fill_and_check(&in, &how, enclosed(&in));
+            }
             test_end();
         }
     }
@@ -445,6 +471,7 @@ static void test_stars(void)
             pbw_fill_options how;
             memset(&how, 0, sizeof how);
             how.split_flat = i % 2 == 0;
+            how.conforming = i % 3 > 0;
             big.points = big.triangles = 0;
             add_star(4 + (size_t)random_in(&key, 0, i % 10 == 0 ? 300 : 40), i % 3 == 0 ? 0.05 : 0.4, centre, 1,
                      &key);
@@ -642,7 +669,7 @@ static void test_checker(void)
             m.x[0][i] = rounded(m.x[0][i]);
         }
         memset(&how, 0, sizeof how);
-        how.split_flat = 1;
+        how.split_flat = how.conforming = 1;
         in = input_of(m.x[0], m.points, m.t[0], m.triangles);
         volume = enclosed(&in);
         CHECK_EQUAL(pbw_fill(&in, &how, NULL, &f, NULL), PBW_OK);
@@ -770,19 +797,21 @@ static int stop_at(void *user, pbw_stage stage, double done)
 
 static void test_memory(void)
 {
-    static part m;
+    static const double centre[3] = { 0, 0, 0 };
     pbw_fill_input in;
     pbw_filled f;
     pbw_options options;
     meter memory;
+    uint64_t key = 0;
     long k, requests;
     size_t peak;
     memset(&options, 0, sizeof options);
     options.threads = 1;
     options.resize = meter_resize;
     options.resize_user = &memory;
-    (void)part_make(PART_BALL, 1, &m);
-    in = input_of(m.x[0], m.points, m.t[0], m.triangles);
+    big.points = big.triangles = 0;
+    add_star(40, 0.05, centre, 1, &key);
+    in = input_of_big();
     if (test_begin("memory that fails, limits, cancelling")) {
         pbw_status status = PBW_OK;
         meter_start(&memory, 0, 0);
@@ -825,7 +854,7 @@ static void test_threads(void)
         pbw_filled f[2];
         pbw_fill_input in;
         int i;
-        (void)part_make(PART_HOLE, 1, &m);
+        (void)part_make(PART_WEDGE, 1, &m);
         in = input_of(m.x[0], m.points, m.t[0], m.triangles);
         for (i = 0; i < 2; i++) {
             pbw_options options;

@@ -23,6 +23,7 @@
      >>segments     points on segments until all of their pieces are edges
      >>cavities     one side of a facet's cavity, wrapped into tetrahedra
      >>facets       each facet found in the triangulation, or made there
+     >>exact        points taken off the surface's edges again
      >>regions      what the facets enclose
      >>result       the caller's arrays
      >>stages       all of it in order
@@ -39,21 +40,28 @@
       triangulation gets a point, until all pieces of segments are edges (Si and Gaertner 2005).
    3. Then the constrained Delaunay triangulation exists, and is unique under pbw.h's tie rule (Shewchuk 1998).  Where
       tetrahedra pass through a facet, they are replaced, on both sides, by gift-wrapping.
-   4. What the facets enclose are regions: each gets the number of a seed in it; without seeds, what is inside of an
+   4. Unless options.conforming, added points are taken off the edges again: the tetrahedra at each are replaced by
+      others without it, or a copy of it moves inside (George, Borouchaki and Saltel 2003 move points likewise).  Then
+      the facets are the input's triangles.
+   5. What the facets enclose are regions: each gets the number of a seed in it; without seeds, what is inside of an
       odd number of nested bodies is kept.
+   6. Points of the input go back from the grid to their places, but for those where a tetrahedron would turn; with
+      points added on the surface, none.
 
    PROMISES  (tests/test_fill.c guards them)
-     exact       all tetrahedra are positive, and each flat facet of coplanar triangles (with options.split_flat each
-                 triangle) is a union of facets of them, by exact signs, in the coordinates that come out
-     told        the input's triangle of each facet; why and where an input is refused.  Near misses are no reason,
-                 down to the grid
+     exact       all tetrahedra are positive, by exact signs, in the coordinates that come out.  The facets are the
+                 input's triangles, each once, unless report.refusal is PBW_FILL_POINTS_LEFT: then, and with
+                 options.conforming, each triangle, or each flat facet of coplanar ones, is a union of facets
+     told        the input's triangle of each facet; why and where an input is refused; points that moved.  Near
+                 misses are no reason to refuse, down to the grid
      same        the same bytes for any number of threads
      bounded     no recursion, and no assert on any input
 
-   DOES NOT  work on several threads, but for the first triangulation and the search for crossings.  Nor does it keep
-             coordinates to the bit: those finer than the grid are rounded, see report.rounded.  Points far from the
-             origin, as seen against the box, may round so that tetrahedra are flat: report.flat_tets.  Nor does it
-             improve angles: pbw_improve does.
+   DOES NOT  work on several threads, but for the first triangulation and the search for crossings.  Nor does it
+             improve angles: pbw_improve does, and with PBW_TETS_FROZEN for points of the surface keeps its triangles.
+             Triangles nearer to each other than 2^-29 of the box may cross on the grid, and are refused then.  Where
+             points were added on the surface, the input's points stay on the grid; and far from the origin, as seen
+             against the box, tetrahedra may be flat: report.flat_tets.
 
    CONFIGURATION MACROS
      PBW_FILL_IMPLEMENTATION  in one source file: compile the implementation there
@@ -92,8 +100,10 @@ typedef struct pbw_fill_input {
 } pbw_fill_input;
 
 typedef struct pbw_fill_options {          /* NULL or all zero = best defaults */
-    int split_flat;                        /* 1: edges between coplanar triangles are kept, too: each triangle is a
-                                              union of facets; 0: each flat facet of coplanar triangles is */
+    int conforming;                        /* 1: points added on edges stay; 0: they are taken off again */
+    int split_flat;                        /* only if conforming; 1: edges between coplanar triangles are kept, too:
+                                              each triangle is a union of facets; 0: each flat facet of coplanar
+                                              triangles is */
     int nested;                            /* without seeds, 1: all that is enclosed is kept; 0: shells inside of
                                               others bound cavities, shells inside of those regions, and so on */
     int outside;                           /* 1: the outside is kept, too, up to a box five times as wide as the
@@ -110,7 +120,9 @@ enum {                                     /* why an input is refused, with PBW_
     PBW_FILL_FLAT,                         /* a triangle has no area */
     PBW_FILL_OPEN,                         /* a triangle has the outside on both sides */
     PBW_FILL_TOO_FINE,                     /* the grid of 2^-29 of the box is too coarse for it */
-    PBW_FILL_SEED                          /* a seed lies on a facet, or two seeds of one region differ in number */
+    PBW_FILL_SEED,                         /* a seed lies on a facet, or two seeds of one region differ in number */
+    PBW_FILL_POINTS_LEFT                   /* it is filled, with PBW_OK, but points stay on edges: not conforming was
+                                              asked for */
 };
 
 enum { PBW_FILL_PLACES = 8 };
@@ -119,19 +131,20 @@ typedef struct pbw_fill_report {
     int refusal;                           /* PBW_FILL_FILLED, or why there is no result */
     size_t fault_count;                    /* of that kind */
     pbw_index faults[PBW_FILL_PLACES][2];  /* the first of them.  CROSSING: triangles, PBW_NONE for a segment; FLAT,
-                                              OPEN: a triangle; TOO_FINE: the ends of an edge, two points, or two
-                                              triangles that cross on the grid only; SEED: the seed */
-    size_t rounded;                        /* points of the input that moved to the grid, by 2^-30 of the box at
-                                              most */
+                                              OPEN, POINTS_LEFT: a triangle; TOO_FINE: the ends of an edge, two
+                                              points, or two triangles that cross on the grid only; SEED: the seed */
+    size_t rounded;                        /* points of the result that are the input's, moved to the grid, by 2^-30
+                                              of the box at most */
     size_t doubles;                        /* triangles whose corners an earlier one has, left out */
     size_t collapsed;                      /* triangles with two corners at one place, left out */
     size_t segments, facets;               /* edges that are kept, and flat facets */
     size_t missing_segments, missing_facets;         /* of the first triangulation */
     size_t segment_points;                 /* points that were added on segments */
+    size_t inner_points;                   /* of the result: added points, inside and on edges */
     size_t regions;                        /* that are kept */
     size_t flat_tets;                      /* without volume, as places between grid points are no doubles */
-    double seconds[7];                     /* of processor time: grid, triangulate, edges, crossings, segments,
-                                              facets, regions */
+    double seconds[8];                     /* of processor time: grid, triangulate, edges, crossings, segments,
+                                              facets, exact, regions */
 } pbw_fill_report;
 
 typedef struct pbw_filled {                /* start from {0}; pbw_fill_free when done */
@@ -223,6 +236,7 @@ typedef struct pbwfill__work {
     double from, to, done;                 /* progress: of the present stage, and what was reported last */
     size_t ticks;
     int cancelled, stage;                  /* stage: its number */
+    int starved;                           /* memory was short where only a place or a truth is returned */
     clock_t since;
     int exponent;                          /* coordinates of the input times 2^-exponent are below 1 */
     double unit, origin[3];                /* of the grid, for coordinates below 1 */
@@ -538,15 +552,10 @@ static pbw_status pbwfill__make_vertices(pbwfill__work *w)
     }
     w->x.count = 3 * count;
     for (i = 0; i < w->inputs; i++) {
-        const double *p = w->input->points + 3 * i;
-        double back[3];
         for (k = 0; k < 3; k++) {
-            const double y = pbwfill__scaled(p[k], -w->exponent);
+            const double y = pbwfill__scaled(w->input->points[3 * i + k], -w->exponent);
             w->x.at[3 * i + k] = floor((y - w->origin[k]) / w->unit + 0.5);
         }
-        pbwfill__place(w, w->x.at + 3 * i, back);
-        w->report->rounded += back[0] < p[0] || back[0] > p[0] || back[1] < p[1] || back[1] > p[1] || back[2] < p[2]
-                           || back[2] > p[2];
     }
     for (i = 0; i < 8; i++) {
         for (k = 0; k < 3; k++) {
@@ -619,14 +628,18 @@ static int pbwfill__turn(const double *a, const double *b, const double *c, int 
     return pbw_orient2(p, q, r);
 }
 
+static int pbwfill__differ(const double *p, const double *q)
+{
+    return p[0] < q[0] || p[0] > q[0] || p[1] < q[1] || p[1] > q[1] || p[2] < q[2] || p[2] > q[2];
+}
+
 /* Refuses points that are at one place of the grid, but not of the input. */
 static pbw_status pbwfill__check_merged(pbwfill__work *w)
 {
     pbw_status status = PBW_OK;
     size_t i;
     for (i = 0; i < w->inputs; i++) {
-        const double *p = w->input->points + 3 * i, *q = w->input->points + 3 * (size_t)w->canonical.at[i];
-        if (p[0] < q[0] || p[0] > q[0] || p[1] < q[1] || p[1] > q[1] || p[2] < q[2] || p[2] > q[2]) {
+        if (pbwfill__differ(w->input->points + 3 * i, w->input->points + 3 * (size_t)w->canonical.at[i])) {
             status = pbwfill__refuse(w, PBW_FILL_TOO_FINE, w->canonical.at[i], (pbw_index)i);
         }
     }
@@ -1513,26 +1526,31 @@ static pbw_status pbwfill__add_tet(pbwfill__work *w, const pbw_index v[3], pbw_i
     return PBW_OK;
 }
 
-/* Fills one side of the cavity.  Returns PBW_DEGENERATE if that is impossible: the input crosses itself. */
-static pbw_status pbwfill__wrap(pbwfill__work *w, int side, size_t most, pbwfill__indices *floor)
+/* Opens the faces of a side.  Returns 0 without memory. */
+static int pbwfill__open_faces(pbwfill__work *w, int side, pbwfill__indices *open)
 {
-    pbwfill__indices open = { NULL, 0, 0 };
-    pbw_status status = PBW_OK;
     size_t i;
     pbwfill__clear(&w->table);
-    for (i = 0; i < w->faces.count && status == PBW_OK; i++) {
+    for (i = 0; i < w->faces.count; i++) {
         const pbwfill__face *f = w->faces.at + i;
         if (f->side == side) {
             pbw_index *slot = pbwfill__put_turned(w, f->v);
-            if (slot == NULL || !PBW_RESERVE(&w->memory, open, 3)) {
-                status = PBW_ERROR_MEMORY;
-                break;
+            if (slot == NULL || !PBW_RESERVE(&w->memory, *open, 3)) {
+                return 0;
             }
             *slot = PBWFILL__BOUNDARY + (pbw_index)i;
-            memcpy(open.at + open.count, f->v, sizeof f->v);
-            open.count += 3;
+            memcpy(open->at + open->count, f->v, sizeof f->v);
+            open->count += 3;
         }
     }
+    return 1;
+}
+
+/* Fills one side of the cavity, until `most` tetrahedra are made in all.  Returns PBW_DEGENERATE if it cannot. */
+static pbw_status pbwfill__wrap(pbwfill__work *w, int side, size_t most, pbwfill__indices *floor)
+{
+    pbwfill__indices open = { NULL, 0, 0 };
+    pbw_status status = pbwfill__open_faces(w, side, &open) ? PBW_OK : PBW_ERROR_MEMORY;
     while (status == PBW_OK && open.count > 0) {
         pbw_index v[3], corner;
         open.count -= 3;
@@ -1545,6 +1563,25 @@ static pbw_status pbwfill__wrap(pbwfill__work *w, int side, size_t most, pbwfill
                : pbwfill__add_tet(w, v, corner, &open, floor);
     }
     PBW_RELEASE(&w->memory, open);
+    return status;
+}
+
+/* Joins all faces of a side to one vertex, which sees them. */
+static pbw_status pbwfill__join(pbwfill__work *w, int side, pbw_index vertex)
+{
+    pbwfill__indices open = { NULL, 0, 0 }, floor = { NULL, 0, 0 };
+    pbw_status status = pbwfill__open_faces(w, side, &open) ? PBW_OK : PBW_ERROR_MEMORY;
+    size_t i;
+    for (i = 0; i < w->faces.count && status == PBW_OK; i++) {
+        if (w->faces.at[i].side == side) {
+            status = pbwfill__add_tet(w, w->faces.at[i].v, vertex, &open, &floor);
+        }
+    }
+    for (i = 0; i < open.count && status == PBW_OK; i += 3) {
+        status = *pbwfill__put_turned(w, open.at + i) == PBWFILL__CLOSED ? PBW_OK : PBW_DEGENERATE;
+    }
+    PBW_RELEASE(&w->memory, open);
+    PBW_RELEASE(&w->memory, floor);
     return status;
 }
 
@@ -1578,10 +1615,8 @@ static pbw_index pbwfill__with_edge(pbwfill__work *w, pbw_index u, pbw_index v)
     w->epoch += 2;
     w->rest.count = 0;
     w->seen.at[w->at.at[u]] = w->epoch;
-    if (!PBW_PUSH(&w->memory, w->rest, w->at.at[u])) {
-        return PBW_NONE;
-    }
-    for (i = 0; i < w->rest.count; i++) {
+    w->starved = !PBW_PUSH(&w->memory, w->rest, w->at.at[u]);
+    for (i = 0; i < w->rest.count && !w->starved; i++) {
         const pbwfill__tet *t = w->tets.at + w->rest.at[i];
         if (pbwfill__corner_of(t, v) < 4) {
             return w->rest.at[i];
@@ -1589,9 +1624,7 @@ static pbw_index pbwfill__with_edge(pbwfill__work *w, pbw_index u, pbw_index v)
         for (k = 0; k < 4; k++) {
             if (t->v[k] != u && t->n[k] != PBW_NONE && w->seen.at[t->n[k]] != w->epoch) {
                 w->seen.at[t->n[k]] = w->epoch;
-                if (!PBW_PUSH(&w->memory, w->rest, t->n[k])) {
-                    return PBW_NONE;
-                }
+                w->starved |= !PBW_PUSH(&w->memory, w->rest, t->n[k]);
             }
         }
     }
@@ -1773,6 +1806,7 @@ static pbw_status pbwfill__replace(pbwfill__work *w, pbw_index facet, const pbwf
 static int pbwfill__floors_agree(pbwfill__work *w, const pbwfill__indices *floor, size_t above)
 {
     size_t i;
+    w->starved = 0;
     if (floor->count != 2 * above) {
         return 0;
     }
@@ -1782,7 +1816,8 @@ static int pbwfill__floors_agree(pbwfill__work *w, const pbwfill__indices *floor
         const unsigned k = floor->at[i] % 4;
         pbw_index *slot = pbwfill__put_sorted(w, &w->table, t->v[PBW_FACET_CORNER(k, 0)],
                                               t->v[PBW_FACET_CORNER(k, 1)], t->v[PBW_FACET_CORNER(k, 2)]);
-        if (slot == NULL || (i < above) != (*slot == PBW_NONE)) {
+        w->starved = slot == NULL;
+        if (w->starved || (i < above) != (*slot == PBW_NONE)) {
             return 0;
         }
         *slot = 0;
@@ -1805,7 +1840,7 @@ static pbw_status pbwfill__fill_cut(pbwfill__work *w, const pbwfill__plane *plan
     above = floor.count;
     status = status != PBW_OK ? status : pbwfill__wrap(w, -1, most, &floor);
     if (status == PBW_OK && !pbwfill__floors_agree(w, &floor, above)) {
-        status = PBW_DEGENERATE;
+        status = w->starved ? PBW_ERROR_MEMORY : PBW_DEGENERATE;
     }
     status = status != PBW_OK ? status : pbwfill__replace(w, plane->facet, &floor);
     PBW_RELEASE(&w->memory, floor);
@@ -1919,6 +1954,9 @@ static pbw_status pbwfill__recover_facet(pbwfill__work *w, pbw_index facet, pbwf
             side.tet = pbwfill__with_edge(w, side.u, side.v);
         }
         found = side.tet == PBW_NONE ? -1 : pbwfill__look_left(w, &plane, side.u, side.v, &side.tet, &corner);
+        if (found < 0 && w->starved) {
+            return PBW_ERROR_MEMORY;
+        }
         if (found < 0) {
             return pbwfill__refuse(w, PBW_FILL_CROSSING, w->members.at[w->facet_first.at[facet]], PBW_NONE);
         }
@@ -1962,6 +2000,514 @@ static pbw_status pbwfill__recover_facets(pbwfill__work *w)
         w->report->missing_facets += (size_t)missing;
     }
     PBW_RELEASE(&w->memory, walk);
+    return status;
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   >>exact        Points taken off the surface's edges again.
+   In: the constrained triangulation, in which each triangle is a facet of its own.  Out: one with fewer vertices on
+   the triangles' edges, or none.
+   The tetrahedra at such a point v are wedges between triangles that meet at its edge.  Without v, each triangle's
+   faces at v become others over the same polygon; these and the faces across from v enclose what is to be filled.  A
+   wedge is wrapped as a facet's cavity is.  Tetrahedra that are positive and that closed faces link fill it without
+   overlap, as its boundary is that of the wedge.  If it cannot be wrapped, a copy of v moves into it: faces across
+   from v have v on their positive side, so also all places near v, and the new faces in the wedge's planes have all
+   places within it.  The places on the positive side of all faces are convex, and the copy climbs there as far from
+   the nearest plane as it can.
+   ------------------------------------------------------------------------------------------------------ */
+enum { PBWFILL__WRAPPED = 60, PBWFILL__STAR = 1500 };      /* most faces of wedges that are wrapped; most tetrahedra
+                                                              at a point */
+
+typedef struct pbwfill__sector { pbw_index triangle, x, y; int wedge; } pbwfill__sector;   /* the face v x y of the
+                                                             triangle, the wedge is on its positive side */
+typedef struct pbwfill__ear { pbw_index triangle, v[3]; } pbwfill__ear;        /* from the edge's a on to its b */
+
+typedef struct pbwfill__star {             /* of one vertex on an edge between the vertices a and b */
+    pbw_index v, a, b;
+    int wedges;
+    PBW_ARRAY(pbwfill__sector) sectors;
+    PBW_ARRAY(pbwfill__ear) ears;
+    pbwfill__indices polygon, before, after;         /* before, after: of each vertex that was added on an edge, the
+                                                        vertices beside it there; PBW_NONE of others */
+} pbwfill__star;
+
+/* Lists the tetrahedra at v and numbers their wedges from 1 on: w->epoch + wedge in `seen`.  Returns 0 without
+   memory. */
+static int pbwfill__find_wedges(pbwfill__work *w, pbwfill__star *star)
+{
+    size_t i, next;
+    unsigned k;
+    star->wedges = 0;
+    w->cavity.count = 0;
+    w->epoch += 2;
+    if (!PBW_PUSH(&w->memory, w->cavity, w->at.at[star->v])) {
+        return 0;
+    }
+    w->seen.at[w->at.at[star->v]] = w->epoch;
+    for (i = 0; i < w->cavity.count && w->cavity.count <= PBWFILL__STAR; i++) {
+        const pbwfill__tet *t = w->tets.at + w->cavity.at[i];
+        for (k = 0; k < 4; k++) {
+            if (t->v[k] != star->v && w->seen.at[t->n[k]] != w->epoch) {
+                w->seen.at[t->n[k]] = w->epoch;
+                if (!PBW_PUSH(&w->memory, w->cavity, t->n[k])) {
+                    return 0;
+                }
+            }
+        }
+    }
+    for (next = 0; next < w->cavity.count; next++) {
+        if (w->seen.at[w->cavity.at[next]] != w->epoch) {
+            continue;
+        }
+        star->wedges++;
+        w->rest.count = 0;
+        if (!PBW_PUSH(&w->memory, w->rest, w->cavity.at[next])) {
+            return 0;
+        }
+        w->seen.at[w->cavity.at[next]] = w->epoch + (uint32_t)star->wedges;
+        for (i = 0; i < w->rest.count; i++) {
+            const pbwfill__tet *t = w->tets.at + w->rest.at[i];
+            for (k = 0; k < 4; k++) {
+                if (t->v[k] != star->v && t->wall[k] == PBW_NONE && w->seen.at[t->n[k]] == w->epoch) {
+                    w->seen.at[t->n[k]] = w->epoch + (uint32_t)star->wedges;
+                    if (!PBW_PUSH(&w->memory, w->rest, t->n[k])) {
+                        return 0;
+                    }
+                }
+            }
+        }
+    }
+    return 1;
+}
+
+static void pbwfill__bound_face(const pbwfill__work *w, pbwfill__face *f)
+{
+    int c, j;
+    for (j = 0; j < 3; j++) {
+        const double *x = pbwfill__at(w, f->v[j]);
+        for (c = 0; c < 3; c++) {
+            f->low[c] = j == 0 ? x[c] : fmin(f->low[c], x[c]);
+            f->high[c] = j == 0 ? x[c] : fmax(f->high[c], x[c]);
+        }
+    }
+}
+
+/* Lists the faces across from v, and the sectors. */
+static int pbwfill__list_star(pbwfill__work *w, pbwfill__star *star)
+{
+    size_t i;
+    unsigned j, k;
+    w->faces.count = star->sectors.count = 0;
+    for (i = 0; i < w->cavity.count; i++) {
+        const pbw_index t = w->cavity.at[i];
+        const pbwfill__tet *tet = w->tets.at + t;
+        const int wedge = (int)(w->seen.at[t] - w->epoch);
+        for (k = 0; k < 4; k++) {
+            pbw_index v[3];
+            for (j = 0; j < 3; j++) {
+                v[j] = tet->v[PBW_FACET_CORNER(k, 2 - j)];
+            }
+            if (tet->v[k] == star->v) {
+                pbwfill__face f;
+                memset(&f, 0, sizeof f);
+                memcpy(f.v, v, sizeof v);
+                f.outside = tet->n[k];
+                f.back = f.outside == PBW_NONE ? 0 : pbwfill__back(w->tets.at + f.outside, t);
+                f.wall = tet->wall[k];
+                f.side = wedge;
+                f.tet = PBW_NONE;
+                pbwfill__bound_face(w, &f);
+                if (!PBW_PUSH(&w->memory, w->faces, f)) {
+                    return 0;
+                }
+            } else if (tet->wall[k] != PBW_NONE) {
+                const unsigned at = v[0] == star->v ? 0 : v[1] == star->v ? 1 : 2;
+                pbwfill__sector s;
+                s.triangle = tet->wall[k];
+                s.x = v[(at + 1) % 3];
+                s.y = v[(at + 2) % 3];
+                s.wedge = wedge;
+                if (!PBW_PUSH(&w->memory, star->sectors, s)) {
+                    return 0;
+                }
+            }
+        }
+    }
+    return 1;
+}
+
+/* Cuts ears off the polygon, in the plane of a triangle.  Returns 1; 0 if it has none; -1 without memory. */
+static int pbwfill__cut_ears(pbwfill__work *w, pbwfill__star *star, pbw_index triangle)
+{
+    const pbw_index *c = w->corners.at + 3 * (size_t)w->members.at[w->facet_first.at[triangle]];
+    pbw_index *p = star->polygon.at;
+    size_t n = star->polygon.count, i, j;
+    const int axis = pbwfill__axis_of(pbwfill__at(w, c[0]), pbwfill__at(w, c[1]), pbwfill__at(w, c[2]));
+    const int turn = pbwfill__turn(pbwfill__at(w, star->v), pbwfill__at(w, p[0]), pbwfill__at(w, p[1]), axis);
+    while (n >= 3) {
+        const size_t before = n;
+        for (i = 0; i < before; i++) {
+            const double *a = pbwfill__at(w, p[(i + n - 1) % n]), *b = pbwfill__at(w, p[i]);
+            const double *d = pbwfill__at(w, p[(i + 1) % n]);
+            if (n > 3 && (i == 0 || i == n - 1)) {
+                continue;                            /* the ends of the edge stay until the last */
+            }
+            if (pbwfill__turn(a, b, d, axis) != turn) {
+                continue;
+            }
+            for (j = 2; j < n - 1; j++) {
+                const double *q = pbwfill__at(w, p[(i + j) % n]);
+                if (pbwfill__turn(a, b, q, axis) != -turn && pbwfill__turn(b, d, q, axis) != -turn
+                    && pbwfill__turn(d, a, q, axis) != -turn) {
+                    break;
+                }
+            }
+            if (j >= n - 1) {
+                pbwfill__ear ear;
+                ear.triangle = triangle;
+                ear.v[0] = p[(i + n - 1) % n], ear.v[1] = p[i], ear.v[2] = p[(i + 1) % n];
+                if (!PBW_PUSH(&w->memory, star->ears, ear)) {
+                    return -1;
+                }
+                memmove(p + i, p + i + 1, (n - i - 1) * sizeof *p);
+                n--;
+                break;
+            }
+        }
+        if (n == before) {
+            return 0;
+        }
+    }
+    return 1;
+}
+
+/* Lists the triangles without v, from a on to b, of each triangle at the edge.  Returns as pbwfill__cut_ears does. */
+static int pbwfill__find_ears(pbwfill__work *w, pbwfill__star *star)
+{
+    const size_t count = star->sectors.count;
+    size_t i, j;
+    int found = 1;
+    star->ears.count = 0;
+    for (i = 0; i < count && found > 0; i++) {
+        const pbwfill__sector *first = star->sectors.at + i;
+        pbw_index last = first->x, at = first->y;
+        if (first->x != star->a) {
+            continue;
+        }
+        for (j = 0; j < star->ears.count && star->ears.at[j].triangle != first->triangle; j++) {
+        }
+        if (j < star->ears.count) {
+            continue;
+        }
+        star->polygon.count = 0;
+        if (!PBW_PUSH(&w->memory, star->polygon, last)) {
+            return -1;
+        }
+        while (at != star->b && star->polygon.count <= count) {
+            if (!PBW_PUSH(&w->memory, star->polygon, at)) {
+                return -1;
+            }
+            for (j = 0; j < count; j++) {
+                const pbwfill__sector *s = star->sectors.at + j;
+                if (s->triangle == first->triangle && s->x == at && s->y != last) {
+                    break;
+                }
+            }
+            if (j == count) {
+                return 0;
+            }
+            last = at;
+            at = star->sectors.at[j].y;
+        }
+        if (!PBW_PUSH(&w->memory, star->polygon, at)) {
+            return -1;
+        }
+        found = pbwfill__cut_ears(w, star, first->triangle);
+    }
+    return found;
+}
+
+/* Adds the ears to the faces of the wedges on both of their sides. */
+static int pbwfill__close_wedges(pbwfill__work *w, pbwfill__star *star)
+{
+    size_t i, j;
+    for (i = 0; i < star->sectors.count; i++) {
+        const pbwfill__sector *s = star->sectors.at + i;
+        for (j = 0; j < star->ears.count && (s->x == star->a || s->x == star->b); j++) {
+            const pbwfill__ear *ear = star->ears.at + j;
+            pbwfill__face f;
+            if (ear->triangle != s->triangle) {
+                continue;
+            }
+            memset(&f, 0, sizeof f);
+            f.v[0] = ear->v[0];
+            f.v[1] = ear->v[s->x == star->a ? 1 : 2];
+            f.v[2] = ear->v[s->x == star->a ? 2 : 1];
+            f.outside = f.tet = PBW_NONE;
+            f.wall = s->triangle;
+            f.side = s->wedge;
+            pbwfill__bound_face(w, &f);
+            if (!PBW_PUSH(&w->memory, w->faces, f)) {
+                return 0;
+            }
+        }
+    }
+    return 1;
+}
+
+/* The unit normal of a face, into the wedge. */
+static void pbwfill__normal(const pbwfill__work *w, const pbw_index v[3], double n[3])
+{
+    const double *a = pbwfill__at(w, v[0]), *b = pbwfill__at(w, v[1]), *c = pbwfill__at(w, v[2]);
+    double length;
+    int k;
+    for (k = 0; k < 3; k++) {
+        const int p = (k + 1) % 3, q = (k + 2) % 3;
+        n[k] = (b[p] - a[p]) * (c[q] - a[q]) - (b[q] - a[q]) * (c[p] - a[p]);
+    }
+    length = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+    for (k = 0; k < 3; k++) {
+        n[k] /= length;
+    }
+}
+
+/* How far x is inside of the plane that it is the least inside of, among the wedge's; n: that plane's normal. */
+static double pbwfill__depth(const pbwfill__work *w, int wedge, const double x[3], double n[3])
+{
+    double least = HUGE_VAL;
+    size_t i;
+    for (i = 0; i < w->faces.count; i++) {
+        const pbwfill__face *f = w->faces.at + i;
+        double m[3], depth;
+        const double *a = pbwfill__at(w, f->v[0]);
+        if (f->side != wedge) {
+            continue;
+        }
+        pbwfill__normal(w, f->v, m);
+        depth = m[0] * (x[0] - a[0]) + m[1] * (x[1] - a[1]) + m[2] * (x[2] - a[2]);
+        if (depth < least) {
+            least = depth;
+            memcpy(n, m, 3 * sizeof *n);
+        }
+    }
+    return least;
+}
+
+/* Whether all tetrahedra of the wedge's faces and x are positive. */
+static int pbwfill__sees_all(const pbwfill__work *w, int wedge, const double x[3])
+{
+    size_t i;
+    for (i = 0; i < w->faces.count; i++) {
+        const pbwfill__face *f = w->faces.at + i;
+        if (f->side == wedge && pbw_orient3(pbwfill__at(w, f->v[0]), pbwfill__at(w, f->v[1]),
+                                            pbwfill__at(w, f->v[2]), x) <= 0) {
+            return 0;
+        }
+    }
+    return 1;
+}
+
+/* Finds a place in the wedge from which all of its faces are seen.  Returns 0 if there is none. */
+static int pbwfill__find_place(const pbwfill__work *w, const pbwfill__star *star, int wedge, double x[3])
+{
+    const double *v = pbwfill__at(w, star->v);
+    double d[3] = { 0, 0, 0 }, n[3], y[3], reach = 0, length, step, depth;
+    size_t i;
+    int k, tries;
+    for (i = 0; i < star->sectors.count; i++) {      /* those at a: one of each side of the wedge */
+        const pbwfill__sector *s = star->sectors.at + i;
+        if (s->wedge == wedge && (s->x == star->a || s->y == star->a)) {
+            pbw_index face[3];
+            face[0] = star->v, face[1] = s->x, face[2] = s->y;
+            pbwfill__normal(w, face, n);
+            for (k = 0; k < 3; k++) {
+                d[k] += n[k];
+            }
+        }
+    }
+    length = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+    for (i = 0; i < w->faces.count; i++) {
+        const pbwfill__face *f = w->faces.at + i;
+        for (k = 0; k < 3 && f->side == wedge; k++) {
+            const double *q = pbwfill__at(w, f->v[k]);
+            reach = fmax(reach, pbwfill__distance(v, q));
+            if (!(length > 1e-6)) {                  /* all around one triangle: away from it */
+                d[0] += q[0] - v[0], d[1] += q[1] - v[1], d[2] += q[2] - v[2];
+            }
+        }
+    }
+    length = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+    if (!(length > 0)) {
+        return 0;
+    }
+    for (tries = 0, step = reach; tries < 60; tries++, step /= 2) {
+        for (k = 0; k < 3; k++) {
+            x[k] = v[k] + step * d[k] / length;
+        }
+        if (pbwfill__sees_all(w, wedge, x)) {
+            break;
+        }
+    }
+    if (tries == 60) {
+        return 0;
+    }
+    depth = pbwfill__depth(w, wedge, x, n);
+    for (tries = 0; tries < 24; tries++) {
+        double m[3], other;
+        for (k = 0; k < 3; k++) {
+            y[k] = x[k] + step * n[k];
+        }
+        other = pbwfill__depth(w, wedge, y, m);
+        if (other > depth && pbwfill__sees_all(w, wedge, y)) {
+            depth = other;
+            memcpy(x, y, sizeof y);
+            memcpy(n, m, sizeof m);
+        } else {
+            step /= 2;
+        }
+    }
+    return 1;
+}
+
+/* Fills a wedge: wrapped, or around a copy of v. */
+static pbw_status pbwfill__fill_wedge(pbwfill__work *w, const pbwfill__star *star, int wedge, int may_copy)
+{
+    const size_t base = w->made.count;
+    pbwfill__indices floor = { NULL, 0, 0 };
+    pbw_status status = PBW_DEGENERATE;
+    size_t i, k, faces = 0;
+    double x[3];
+    w->rest.count = 0;
+    pbwfill__clear(&w->table);
+    for (i = 0; i < w->faces.count; i++) {
+        const pbwfill__face *f = w->faces.at + i;
+        faces += f->side == wedge;
+        for (k = 0; f->side == wedge && k < 3; k++) {
+            pbw_index *seen = pbwfill__put(w, &w->table, f->v[k], PBW_NONE, PBW_NONE);
+            if (seen == NULL || (*seen == PBW_NONE && !PBW_PUSH(&w->memory, w->rest, f->v[k]))) {
+                return PBW_ERROR_MEMORY;
+            }
+            *seen = 0;
+            w->sign.at[f->v[k]] = 1;
+        }
+    }
+    if (faces <= PBWFILL__WRAPPED) {
+        status = pbwfill__wrap(w, wedge, base + 3 * faces + 30, &floor);
+    }
+    if (status == PBW_DEGENERATE && may_copy && pbwfill__find_place(w, star, wedge, x)) {
+        w->made.count = base;
+        if (!pbwfill__new_vertex(w, x)) {
+            return PBW_ERROR_MEMORY;
+        }
+        w->sign.at[pbwfill__vertices(w) - 1] = 1;
+        status = pbwfill__join(w, wedge, (pbw_index)(pbwfill__vertices(w) - 1));
+    }
+    PBW_RELEASE(&w->memory, floor);
+    return status;
+}
+
+/* Removes v, which is at the star's, from all of its wedges.  *done: 0 if it has to stay. */
+static pbw_status pbwfill__remove(pbwfill__work *w, pbwfill__star *star, int *done)
+{
+    const pbwfill__indices floor = { NULL, 0, 0 };
+    pbw_status status = PBW_OK;
+    int wedge, ears = 1;
+    *done = 0;
+    if (!pbwfill__find_wedges(w, star)) {
+        return PBW_ERROR_MEMORY;
+    }
+    if (w->cavity.count <= PBWFILL__STAR && !pbwfill__list_star(w, star)) {
+        return PBW_ERROR_MEMORY;
+    }
+    w->epoch += (uint32_t)star->wedges;
+    ears = w->cavity.count <= PBWFILL__STAR ? pbwfill__find_ears(w, star) : 0;
+    if (ears <= 0) {
+        return ears < 0 ? PBW_ERROR_MEMORY : PBW_OK;
+    }
+    if (!pbwfill__close_wedges(w, star)) {
+        return PBW_ERROR_MEMORY;
+    }
+    w->made.count = 0;
+    for (wedge = 1; wedge <= star->wedges && status == PBW_OK; wedge++) {
+        status = pbwfill__fill_wedge(w, star, wedge, star->a != PBW_NONE);
+    }
+    if (status != PBW_OK) {
+        return status == PBW_DEGENERATE ? PBW_OK : status;
+    }
+    *done = 1;
+    w->at.at[star->v] = PBW_NONE;
+    return pbwfill__replace(w, PBW_NONE, &floor);
+}
+
+/* Lists the neighbours of added vertices on their edges. */
+static int pbwfill__list_chains(pbwfill__work *w, pbwfill__star *star)
+{
+    const size_t count = pbwfill__vertices(w);
+    size_t i;
+    if (!PBW_ZEROS(&w->memory, star->before, count) || !PBW_ZEROS(&w->memory, star->after, count)) {
+        return 0;
+    }
+    memset(star->before.at, 0xff, count * sizeof *star->before.at);  /* PBW_NONE */
+    memset(star->after.at, 0xff, count * sizeof *star->after.at);
+    for (i = 0; i < w->pieces.count; i++) {
+        const pbwfill__piece *p = w->pieces.at + i;
+        if (w->edges.at[p->edge].count > 0 && p->a >= w->inputs) {
+            star->after.at[p->a] = p->b;
+        }
+        if (w->edges.at[p->edge].count > 0 && p->b >= w->inputs) {
+            star->before.at[p->b] = p->a;
+        }
+    }
+    return 1;
+}
+
+/* Takes all added vertices off the edges, the last one first; then those off that can be spared inside. */
+static pbw_status pbwfill__clear_surface(pbwfill__work *w)
+{
+    pbwfill__star star;
+    pbw_status status;
+    size_t i, count = pbwfill__vertices(w), last;
+    int done = 0;
+    if (w->how.conforming) {
+        return PBW_OK;
+    }
+    memset(&star, 0, sizeof star);
+    status = pbwfill__list_chains(w, &star) ? PBW_OK : PBW_ERROR_MEMORY;
+    for (i = count; i-- > w->inputs + 8 && status == PBW_OK;) {
+        star.v = (pbw_index)i;
+        star.a = star.before.at[i];
+        star.b = star.after.at[i];
+        if (star.a == PBW_NONE) {
+            continue;                                /* on a wire */
+        }
+        status = pbwfill__tick(w, (double)(count - i) / (double)count) ? PBW_CANCELLED
+               : pbwfill__remove(w, &star, &done);
+        if (status == PBW_OK && done) {
+            if (star.a >= w->inputs) {
+                star.after.at[star.a] = star.b;
+            }
+            if (star.b >= w->inputs) {
+                star.before.at[star.b] = star.a;
+            }
+        }
+        if (status == PBW_OK && !done) {
+            (void)pbwfill__refuse(w, PBW_FILL_POINTS_LEFT, w->members.at[w->facet_first.at[star.sectors.count > 0
+                                  ? star.sectors.at[0].triangle : 0]], PBW_NONE);
+        }
+    }
+    last = pbwfill__vertices(w);
+    star.a = star.b = PBW_NONE;
+    for (i = last; i-- > count && status == PBW_OK;) {
+        star.v = (pbw_index)i;
+        if (w->at.at[i] != PBW_NONE) {
+            status = pbwfill__tick(w, 1) ? PBW_CANCELLED : pbwfill__remove(w, &star, &done);
+        }
+    }
+    PBW_RELEASE(&w->memory, star.sectors);
+    PBW_RELEASE(&w->memory, star.ears);
+    PBW_RELEASE(&w->memory, star.polygon);
+    PBW_RELEASE(&w->memory, star.before);
+    PBW_RELEASE(&w->memory, star.after);
     return status;
 }
 
@@ -2287,10 +2833,51 @@ static int pbwfill__number(pbwfill__work *w, pbwfill__result *r, pbwfill__indice
     for (i = 0; i < count; i++) {
         if (point->at[i] != PBW_NONE) {
             pbwfill__place(w, w->x.at + 3 * i, r->points.at + 3 * (size_t)point->at[i]);
+            w->report->inner_points += i >= w->inputs + 8;
             r->original.at[point->at[i]] = i < w->inputs ? (pbw_index)i : PBW_NONE;
         }
     }
     return 1;
+}
+
+/* Puts points of the input back to the caller's places, but for those of tetrahedra that would not be positive
+   then. */
+static void pbwfill__put_back(pbwfill__work *w, pbwfill__result *r)
+{
+    const double *x = r->points.at, *given = w->input->points;
+    const int whole = w->report->facets + w->report->doubles + w->report->collapsed == w->corners.count / 3;
+    const int may = w->report->refusal == PBW_FILL_FILLED
+                 && (!w->how.conforming || (whole && w->report->segment_points == 0));
+    size_t i, k, changes = 1;
+    for (i = 0; may && i < r->original.count; i++) {
+        if (r->original.at[i] != PBW_NONE) {
+            memcpy(r->points.at + 3 * i, given + 3 * (size_t)r->original.at[i], 3 * sizeof *given);
+        }
+    }
+    while (changes > 0) {
+        changes = w->report->flat_tets = 0;
+        for (i = 0; i < r->regions.count; i++) {
+            const pbw_index *c = r->corners.at + 4 * i;
+            if (pbw_orient3(x + 3 * (size_t)c[0], x + 3 * (size_t)c[1], x + 3 * (size_t)c[2],
+                            x + 3 * (size_t)c[3]) > 0) {
+                continue;
+            }
+            w->report->flat_tets++;
+            for (k = 0; k < 4; k++) {
+                const pbw_index v = r->original.at[c[k]];
+                double place[3];
+                if (v != PBW_NONE) {
+                    pbwfill__place(w, w->x.at + 3 * (size_t)v, place);
+                    changes += (size_t)pbwfill__differ(x + 3 * (size_t)c[k], place);
+                    memcpy(r->points.at + 3 * (size_t)c[k], place, sizeof place);
+                }
+            }
+        }
+    }
+    for (i = 0; i < r->original.count; i++) {
+        const pbw_index v = r->original.at[i];
+        w->report->rounded += v != PBW_NONE && pbwfill__differ(x + 3 * i, given + 3 * (size_t)v);
+    }
 }
 
 /* The input's triangle at a face: where a flat facet has several, the one nearest to the middle of the face. */
@@ -2355,11 +2942,7 @@ static int pbwfill__copy(pbwfill__work *w, pbwfill__result *r, const pbw_surface
             r->sides.at[r->sides.count++] = next == PBW_NONE ? PBW_NONE : w->region.at[t->n[k]];
         }
     }
-    for (i = 0; i < r->regions.count; i++) {
-        const pbw_index *c = r->corners.at + 4 * i;
-        w->report->flat_tets += pbw_orient3(r->points.at + 3 * (size_t)c[0], r->points.at + 3 * (size_t)c[1],
-                                            r->points.at + 3 * (size_t)c[2], r->points.at + 3 * (size_t)c[3]) <= 0;
-    }
+    pbwfill__put_back(w, r);
     return 1;
 }
 
@@ -2424,6 +3007,7 @@ PBWFILLDEF const char *pbw_fill_refusal(int refusal)
     case PBW_FILL_FLAT: return "a triangle has no area";
     case PBW_FILL_OPEN: return "the surface is open: a triangle bounds no region";
     case PBW_FILL_TOO_FINE: return "points are nearer to each other, or edges shorter, than 2^-29 of the box";
+    case PBW_FILL_POINTS_LEFT: return "filled, but points are left on edges of the surface";
     case PBW_FILL_SEED: return "a seed lies on the surface, beyond the box, or in the region of another one";
     default: return "unknown";
     }
@@ -2496,13 +3080,13 @@ static pbw_status pbwfill__run(pbwfill__work *w, pbw_filled *filled)
     static const struct { const char *name; stage *run; double to; } stages[] = {
         { "grid", pbwfill__make_vertices, 0.02 }, { "triangulate", pbwfill__triangulate, 0.2 },
         { "edges", pbwfill__find_edges, 0.25 }, { "crossings", pbwfill__check_crossings, 0.3 },
-        { "segments", pbwfill__recover_segments, 0.6 }, { "facets", pbwfill__recover_facets, 0.9 },
-        { "regions", pbwfill__find_regions, 0.95 }
+        { "segments", pbwfill__recover_segments, 0.6 }, { "facets", pbwfill__recover_facets, 0.7 },
+        { "exact", pbwfill__clear_surface, 0.9 }, { "regions", pbwfill__find_regions, 0.95 }
     };
     pbw_status status = PBW_OK;
     int i;
     w->since = clock();
-    for (i = 0; i < 7 && status == PBW_OK; i++) {
+    for (i = 0; i < 8 && status == PBW_OK; i++) {
         status = pbwfill__begin(w, i, stages[i].name, stages[i].to) ? PBW_CANCELLED : stages[i].run(w);
     }
     status = status != PBW_OK ? status : pbwfill__write(w, filled);
@@ -2540,6 +3124,7 @@ PBWFILLDEF pbw_status pbw_fill(const pbw_fill_input *input, const pbw_fill_optio
     if (how != NULL) {
         w.how = *how;
     }
+    w.how.split_flat |= !w.how.conforming;
     status = pbwfill__run(&w, filled);
     pbwfill__release(&w);
     return status;

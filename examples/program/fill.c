@@ -3,8 +3,9 @@
 #include "program.h"
 
 static const option fill_options[] = {
-    { "--split-flat", NULL, "keep edges between coplanar faces, too: each face is a union of facets", SWITCH, 0, 0,
+    { "--conforming", NULL, "points may stay on edges; flat parts of the surface are unions of facets", SWITCH, 0, 0,
       NULL },
+    { "--split-flat", NULL, "with --conforming: edges between coplanar faces are kept, too", SWITCH, 0, 0, NULL },
     { "--nested", NULL, "shells inside of others bound regions; default: every second one is a cavity", SWITCH, 0, 0,
       NULL },
     { "--outside", NULL, "keep the outside, too, up to a box five times as wide as the surface's", SWITCH, 0, 0,
@@ -20,7 +21,7 @@ static const option fill_options[] = {
 
 static void report_on(const job *j, const pbw_filled *f, const pbw_fill_report *r)
 {
-    static const char *const stages[] = { "grid", "triangulate", "edges", "crossings", "segments", "facets",
+    static const char *const stages[] = { "grid", "triangulate", "edges", "crossings", "segments", "facets", "exact",
                                           "regions" };
     pbw_quality quality;
     size_t i;
@@ -34,9 +35,9 @@ static void report_on(const job *j, const pbw_filled *f, const pbw_fill_report *
             report_step(j, stages[i], r->seconds[i], "%s", "");
         }
     }
-    report_line(j, "%zu %s in %zu region%s, %zu point%s, %zu facet%s on the surface", f->tets.tet_count,
-                simplices(3, f->tets.tet_count), COUNT(r->regions), COUNT(f->tets.point_count),
-                COUNT(f->facet_count));
+    report_line(j, "%zu %s in %zu region%s, %zu point%s, %zu of them new, %zu facet%s on the surface",
+                f->tets.tet_count, simplices(3, f->tets.tet_count), COUNT(r->regions), COUNT(f->tets.point_count),
+                r->inner_points, COUNT(f->facet_count));
     if (pbw_tets_quality(&f->tets, &j->build, &quality)) {
         describe_quality(j, "angles: ", &quality);
     }
@@ -50,6 +51,10 @@ static void report_on(const job *j, const pbw_filled *f, const pbw_fill_report *
     if (r->rounded > 0) {
         report_line(j, "%zu point%s moved to the grid of 2^-29 of the box, by half of its width at most",
                     COUNT(r->rounded));
+    }
+    if (r->refusal == PBW_FILL_POINTS_LEFT) {
+        warn(j, "%zu point%s left on edges, the first on face %lu", COUNT(r->fault_count),
+             (unsigned long)r->faults[0][0]);
     }
     if (r->flat_tets > 0) {
         warn(j, "%zu %s no volume, as the coordinates are too large for points between them", r->flat_tets,
@@ -166,6 +171,7 @@ static int run(job *j)
     input.segments = j->cloud.segments;
     input.segment_count = j->cloud.segment_count;
     memset(&how, 0, sizeof how);
+    how.conforming = is_given(j, "--conforming");
     how.split_flat = is_given(j, "--split-flat") || is_given(j, "--faces");
     how.nested = is_given(j, "--nested");
     how.outside = is_given(j, "--outside");
@@ -196,13 +202,15 @@ const command command_fill = {
     .usage =
     "usage: pbw fill [options] model [-o output]...\n"
     "\n"
-    "Fills a closed surface, of one or several shells, with the constrained Delaunay triangulation: each flat part\n"
-    "of the surface is a union of facets, exactly.  Points are added on edges where that is needed.  Walls inside,\n"
-    "open or closed, bound regions or are kept as they are; so are segments and points of the model.\n"
-    "Surfaces that cross themselves are refused, and the first places listed.\n"
-    "Angles may be small: pbw improve raises them, pbw solid makes good tetrahedra near the surface.\n"
+    "Fills a closed surface, of one or several shells, with tetrahedra that have its triangles for facets, no more,\n"
+    "no fewer.  Points are added inside where that is needed.  Walls inside, open or closed, bound regions or are\n"
+    "kept as they are; so are segments and points of the model.  With --conforming it is the constrained Delaunay\n"
+    "triangulation, with points added on edges.\n"
+    "Surfaces that cross themselves are refused, and the first places listed: pbw wrap takes them.\n"
+    "Angles may be small: pbw solid makes good tetrahedra near the surface.\n"
     "\n"
-    "of TetGen: -p is pbw fill, -pi too: points inside are kept.  Its -Y, -q, -a and -A are not there yet.\n"
+    "of TetGen: -pY is pbw fill, -p is --conforming, -pi is either: points inside are kept; -pA regions, which are\n"
+    "always told.  There is no -q and no -a.\n"
     "\n"
     "input:   .obj .ply .stl .off .vtu .msh with faces\n"
     "output:  .vtu .msh .msh2 .mesh .inp .su2 .node .ele .neigh .face (tetrahedra, facets), .obj .ply .stl .off\n"

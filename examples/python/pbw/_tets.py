@@ -96,7 +96,7 @@ class _FillInput(ctypes.Structure):
 
 class _FillOptions(ctypes.Structure):
     """pbw_fill_options."""
-    _fields_ = [*((name, ctypes.c_int) for name in ("split_flat", "nested", "outside")), ("most", _size),
+    _fields_ = [*((name, ctypes.c_int) for name in ("conforming", "split_flat", "nested", "outside")), ("most", _size),
                 *_pointers("stage")]
 
 
@@ -104,9 +104,9 @@ class _FillReport(ctypes.Structure):
     """pbw_fill_report."""
     _fields_ = [("refusal", ctypes.c_int), ("fault_count", _size), ("faults", ctypes.c_uint32 * 2 * 8),
                 *((name, _size) for name in ("rounded", "doubles", "collapsed", "segments", "facets",
-                                             "missing_segments", "missing_facets", "segment_points", "regions",
-                                             "flat_tets")),
-                ("seconds", _double * 7)]
+                                             "missing_segments", "missing_facets", "segment_points", "inner_points",
+                                             "regions", "flat_tets")),
+                ("seconds", _double * 8)]
 
 
 class _Filled(ctypes.Structure):
@@ -411,12 +411,13 @@ def solid(vertices, faces, size=0, target=30, feature_angle=40, rounds=16, patch
     return made
 
 
-def fill(vertices, faces, numbers=None, segments=None, seeds=None, seed_regions=None, split_flat=False, nested=False,
-         outside=False, most=50000000):
+def fill(vertices, faces, numbers=None, segments=None, seeds=None, seed_regions=None, conforming=False,
+         split_flat=False, nested=False, outside=False, most=50000000):
     """Tetrahedra that keep a surface's own triangles: vertices (n, 3), faces (m, 3), with holes or walls as you like.
 
-    Each flat part of the surface, with split_flat=True each face, is a union of facets; points are added on edges
-    where that is needed.  numbers: a whole number or a name a face; flat parts do not cross between two of them.
+    The facets are the faces; report["refusal"] is not 0 if points had to stay on edges.  With conforming=True points
+    may stay, and each flat part of the surface, with split_flat=True each face, is a union of facets.
+    numbers: a whole number or a name a face; flat parts do not cross between two of them.
     segments (s, 2): edges that belong to no face.  Vertices of no face are kept where they are inside.
     seeds (k, 3): places in regions; seed_regions, their whole numbers, -1 = a hole.  Else what is inside of an odd
     number of shells is kept, with nested=True all that is enclosed, and with outside=True a box around it, too.
@@ -442,7 +443,7 @@ def fill(vertices, faces, numbers=None, segments=None, seeds=None, seed_regions=
             raise ValueError("seed_regions must have one number a seed")
         given.seed_regions = seed_regions.ctypes.data
     _check_number("most", most, 1, 2**32)
-    how = _FillOptions(split_flat, nested, outside, int(most))
+    how = _FillOptions(conforming, split_flat, nested, outside, int(most))
     filled, report = _Filled(), _FillReport()
 
     def finish(made, mesh):
