@@ -4046,7 +4046,8 @@ static void pbwio__vtu_tags(pbwio__reader *r, pbwio__vtu *v)
             v->packed = pbwio__is(packed, "vtkZLibDataCompressor");
             if (!pbwio__is(pbwio__attribute(s, end, "type"), "UnstructuredGrid")
                 || (packed.begin < packed.end && !v->packed)) {
-                pbwio__fail(r, PBWIO_ERROR_FORMAT, "unstructured grids are read, plain or compressed by zlib");
+                pbwio__fail(r, PBWIO_ERROR_FORMAT, "unstructured grids are read, plain or compressed by zlib; other "
+                            "data of VTK: save them as such, or as .vtk or .ply");
             }
         } else if (pbwio__is(name, "Piece")) {
             v->points = pbwio__attribute_number(s, end, "NumberOfPoints");

@@ -992,42 +992,20 @@ typedef struct pbwm2__tree {
     int levels;
 } pbwm2__tree;
 
-static int pbwm2__cut_less(const pbwm2__cut *a, const pbwm2__cut *b)
+/* By segments, then along them. */
+static int pbwm2__compare_cuts(const void *left, const void *right)
 {
+    const pbwm2__cut *a = (const pbwm2__cut *)left, *b = (const pbwm2__cut *)right;
     if (a->segment != b->segment) {
-        return a->segment < b->segment;
+        return a->segment < b->segment ? -1 : 1;
     }
-    return a->at < b->at || (a->at <= b->at && a->other < b->other);
+    return a->at < b->at ? -1 : a->at > b->at ? 1 : (a->other > b->other) - (a->other < b->other);
 }
 
-static void pbwm2__sift(pbwm2__cut *cut, size_t root, size_t count)
+static void pbwm2__sort(pbwm2__cuts *cuts)
 {
-    const pbwm2__cut item = cut[root];
-    size_t child;
-    while ((child = 2 * root + 1) < count) {
-        child += child + 1 < count && pbwm2__cut_less(cut + child, cut + child + 1);
-        if (!pbwm2__cut_less(&item, cut + child)) {
-            break;
-        }
-        cut[root] = cut[child];
-        root = child;
-    }
-    cut[root] = item;
-}
-
-static void pbwm2__sort(pbwm2__cuts *cuts)           /* heapsort (Williams 1964) */
-{
-    pbwm2__cut *cut = cuts->at;
-    const size_t count = cuts->count;
-    size_t i;
-    for (i = count / 2; i > 0; i--) {
-        pbwm2__sift(cut, i - 1, count);
-    }
-    for (i = count; i > 1; i--) {
-        const pbwm2__cut largest = cut[0];
-        cut[0] = cut[i - 1];
-        cut[i - 1] = largest;
-        pbwm2__sift(cut, 0, i - 1);
+    if (cuts->count > 1) {
+        qsort(cuts->at, cuts->count, sizeof *cuts->at, pbwm2__compare_cuts);
     }
 }
 
@@ -3439,19 +3417,10 @@ static int pbwm2__out_triangles(pbwm2__job *job, pbwm2__block *block)
     return i == count;
 }
 
-static void pbwm2__sort_indices(pbw_index *item, size_t count)        /* Shell 1959; gaps of Gonnet 1991 */
+static int pbwm2__compare_indices(const void *left, const void *right)
 {
-    size_t gap = count, i, k;
-    while (gap > 1) {
-        gap = gap < 5 ? 1 : (5 * gap - 1) / 11;
-        for (i = gap; i < count; i++) {
-            const pbw_index last = item[i];
-            for (k = i; k >= gap && item[k - gap] > last; k -= gap) {
-                item[k] = item[k - gap];
-            }
-            item[k] = last;
-        }
-    }
+    const pbw_index a = *(const pbw_index *)left, b = *(const pbw_index *)right;
+    return (a > b) - (a < b);
 }
 
 /* Adds the caller's segments on an edge to a list, ascending, each once. */
@@ -3467,11 +3436,11 @@ static int pbwm2__out_segments(pbwm2__job *job, pbwm2__indices *list, pbw_index 
         }
     }
     count = list->count - first;
-    if (count == 0) {
+    if (count < 2) {
         return 1;
     }
     item = list->at;
-    pbwm2__sort_indices(item + first, count);
+    qsort(item + first, count, sizeof *item, pbwm2__compare_indices);
     for (i = 0; i < count; i++) {
         if (i == 0 || item[first + i] != item[first + i - 1]) {
             item[first + kept++] = item[first + i];

@@ -499,8 +499,10 @@ int read_domain(job *j, plan *d, const char *column)
     j->stage = NULL;
     free(t.data);
     if (!ok) {
+        const char *limit = strstr(t.error, "out of memory") != NULL ? text_of(j, "--memory-limit") : NULL;
         domain_free(d);
-        return interrupted ? stopped(j) : fail(j, "%s", t.error);
+        return interrupted ? stopped(j) : fail(j, "%s%s%s", t.error, limit != NULL ? " within --memory-limit " : "",
+                                               limit != NULL ? limit : "");
     }
     if (dropped) {
         warn(j, "%s: numbers behind points that their first line does not announce are left out", j->input);
