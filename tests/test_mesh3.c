@@ -139,6 +139,69 @@ static void test_functions(void)
     }
 }
 
+/* Two cones, base to base, with tips thinner than a third of the size: the boundary comes near them. */
+static void test_horns(void)
+{
+    static part m;
+    const size_t sides = 32;
+    const double step = 2 * PARTS_PI / (double)sides, radius = 0.5, height = 2.5;
+    pbw_solid_options how;
+    pbw_solid_report r;
+    pbw_solid_input in;
+    pbw_tets mesh;
+    size_t i;
+    if (!test_begin("tips thinner than the size")) {
+        return;
+    }
+    m.points = m.triangles = 0;
+    for (i = 0; i < sides; i++) {
+        (void)part_point(&m, radius * cos(step * (double)i), radius * sin(step * (double)i), 0);
+    }
+    (void)part_point(&m, 0, 0, -height);
+    (void)part_point(&m, 0, 0, height);
+    for (i = 0; i < sides; i++) {
+        part_triangle(&m, (i + 1) % sides, i, sides);
+        part_triangle(&m, i, (i + 1) % sides, sides + 1);
+    }
+    in = input_of(&m);
+    memset(&how, 0, sizeof how);
+    how.size = 0.4;
+    CHECK_EQUAL(pbw_solid(&in, &how, NULL, &mesh, NULL, &r), PBW_OK);
+    CHECK(is_sound(&mesh) && r.settled && r.bad_edges + r.bad_points == 0 && r.euler == 2);
+    CHECK(r.distance < 0.45 && r.improve.after.least > 28);
+    test_say("%zu tetrahedra, distance %.3f, %d rounds", mesh.tet_count, r.distance, r.rounds);
+    check_threads(&in, &how, &mesh);
+    pbw_tets_free(&mesh);
+    how.least_size = 0.4 / 3;                        /* no size below it, at tips either */
+    CHECK_EQUAL(pbw_solid(&in, &how, NULL, &mesh, NULL, &r), PBW_OK);
+    CHECK(r.distance > 0.45);
+    pbw_tets_free(&mesh);
+    test_end();
+}
+
+/* Two boxes with a gap of 1/30 of the size between them stay apart; a thin wall of a hollow box is no gap. */
+static void test_gaps(void)
+{
+    static const double low[3][3] = { { 0, 0, 0 }, { 0.52, 0, 0 }, { 0.1, 0.02, 0.1 } };
+    static const double high[3][3] = { { 0.5, 0.5, 0.5 }, { 1, 0.5, 0.5 }, { 0.4, 0.4, 0.4 } };
+    static part m;
+    pbw_solid_input in;
+    if (!test_begin("gaps between shells")) {
+        return;
+    }
+    m.points = m.triangles = 0;
+    (void)part_box(&m, low[0], high[0], 0);
+    (void)part_box(&m, low[1], high[1], 0);
+    in = input_of(&m);
+    check_good(&in, 0.6, 0.125 + 0.48 * 0.25, 4, 25);
+    m.points = m.triangles = 0;                      /* a wall, not a gap: no size is below 1/6 */
+    (void)part_box(&m, low[0], high[0], 0);
+    (void)part_box(&m, low[2], high[2], 1);
+    in = input_of(&m);
+    check_good(&in, 0.1, 0.125 - 0.3 * 0.38 * 0.3, 4, 20);
+    test_end();
+}
+
 /* A cone of many sides: no edge at its tip is sharp, and darts miss it; the boundary reaches it. */
 static void test_tip(void)
 {
@@ -1242,6 +1305,8 @@ int main(int argc, char **argv)
     test_models();
     test_features();
     test_tip();
+    test_horns();
+    test_gaps();
     test_acute();
     test_thin();
     test_stuffing();

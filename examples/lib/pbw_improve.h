@@ -592,6 +592,7 @@ typedef struct pbwim__mesh {
     /* per point */
     pbwsf__vectors x;
     pbwsf__indices star, touched, original;
+    pbwsf__indices failed;                 /* when smoothing it failed last */
     pbwsf__flags mark;
     pbwsf__numbers size;                   /* only if there are sizes */
     pbwsf__flags joint;                    /* of the input's points: 1 where tetrahedra meet with no facet between */
@@ -666,6 +667,7 @@ static int pbwim__resize_points(pbwim__mesh *m, size_t count)
     return PBW_FIT(y, m->x, count)
         && PBW_FIT(y, m->star, count)
         && PBW_FIT(y, m->touched, count)
+        && PBW_FIT(y, m->failed, count)
         && PBW_FIT(y, m->original, count)
         && (!m->sized || PBW_FIT(y, m->size, count)) && PBW_FIT(y, m->mark, count);
 }
@@ -1447,37 +1449,60 @@ static void pbwim__cone_of(const pbwim__mesh *m, pbw_index p, const pbw_index *s
     cone->count = count;
 }
 
-/* Returns the largest distance from the surface of the boundary facets at p, were p at x. */
-static double pbwim__farthest_at(const pbwim__mesh *m, pbw_index p, const double *x, const pbw_index *star, int count)
+/* Which middles of the boundary facets at a point are looked at: of the facets and their edges at it, which move
+   with it; or of their edges across from it. */
+enum { PBWIM__MOVING, PBWIM__ACROSS };
+
+/* Returns the largest distance of these middles from the surface, were p at x, or `least`; once that is above `enough`,
+   it may end. */
+static double pbwim__farthest_at(const pbwim__mesh *m, pbw_index p, const double *x, const pbw_index *star, int count,
+                                 int which, double least, double enough)
 {
-    double most = 0;
     int i, k, j;
     for (i = 0; i < count; i++) {
         const pbw_index *c = m->corner.at[star[i]];
-        for (k = 0; k < 4; k++) {
-            if (c[k] != p && m->next.at[star[i]][k] == PBW_NONE) {
-                const double *corner[3];
-                for (j = 0; j < 3; j++) {
-                    const pbw_index v = c[pbwim__opposite[k][j]];
-                    corner[j] = v == p ? x : m->x.at[v];
-                }
-                most = pbwim__farthest(m, corner[0], corner[1], corner[2], most);
+        for (k = 0; k < 4 && least <= enough; k++) {
+            const int *o = pbwim__opposite[k];
+            const int at = c[o[0]] == p ? 0 : c[o[1]] == p ? 1 : 2;
+            const double *corner[3];
+            double middle[2][3];
+            if (c[k] == p || m->next.at[star[i]][k] != PBW_NONE) {
+                continue;
+            }
+            for (j = 0; j < 3; j++) {
+                corner[j] = j == at ? x : m->x.at[c[o[j]]];
+            }
+            for (j = 0; j < 3; j++) {                /* of two edges at p, one; the other is the next facet's */
+                const double *a = which == PBWIM__MOVING ? x : corner[(at + 2) % 3], *b = corner[(at + 1) % 3];
+                middle[0][j] = 0.5 * a[j] + 0.5 * b[j];
+                middle[1][j] = 1.0 / 3 * corner[0][j] + 1.0 / 3 * corner[1][j] + 1.0 / 3 * corner[2][j];
+            }
+            for (j = 0; j < (which == PBWIM__MOVING ? 2 : 1); j++) {
+                double place[3];
+                memcpy(place, middle[j], sizeof place);
+                m->project(m->project_user, place);
+                least = fmax(least, pbwsf__distance(middle[j], place));
             }
         }
     }
-    return most;
+    return least;
 }
 
-/* Returns whether the boundary stays near the surface where p moves to x. */
+/* Returns whether the boundary facets at p stay near the surface where p moves to x: within the distance, or as near
+   as they are, their edges across from p included. */
 static int pbwim__move_stays_near(const pbwim__mesh *m, pbw_index p, const double *x, const pbw_index *star,
                                   int count)
 {
-    double after;
+    double after, before;
     if (!(m->distance > 0)) {
         return 1;
     }
-    after = pbwim__farthest_at(m, p, x, star, count);
-    return after <= m->distance || after <= pbwim__farthest_at(m, p, m->x.at[p], star, count);
+    after = pbwim__farthest_at(m, p, x, star, count, PBWIM__MOVING, 0, HUGE_VAL);
+    if (after <= m->distance) {
+        return 1;
+    }
+    before = pbwim__farthest_at(m, p, m->x.at[p], star, count, PBWIM__MOVING, 0, after);
+    return after <= pbwim__farthest_at(m, p, m->x.at[p], star, count, PBWIM__ACROSS, before, after);
 }
 
 static int pbwim__smooth(pbwim__mesh *m, pbw_index p)
@@ -1487,7 +1512,7 @@ static int pbwim__smooth(pbwim__mesh *m, pbw_index p)
     double before[3], worst = 2, x[3], normal[3] = { 0, 0, 0 };
     const int slides = m->mark.at[p] == PBW_TETS_SLIDES;
     int count, i, k;
-    if (m->mark.at[p] >= PBW_TETS_FIXED) {
+    if (m->mark.at[p] >= PBW_TETS_FIXED || m->touched.at[p] <= m->failed.at[p]) {
         return 0;
     }
     count = pbwim__star_of(m, p, star);
@@ -1497,6 +1522,7 @@ static int pbwim__smooth(pbwim__mesh *m, pbw_index p)
     if (count == 0 || worst >= m->target) {
         return 0;
     }
+    m->failed.at[p] = m->clock;                      /* unless it is touched: below */
     for (i = 0; i < count && slides; i++) {
         pbwim__add_normals(m, star[i], p, normal);
     }
@@ -2470,6 +2496,7 @@ static pbw_status pbwim__load(pbwim__mesh *m, const pbw_tets *in)
     for (i = 0; i < m->points; i++) {
         m->star.at[i] = PBW_NONE;
         m->touched.at[i] = 1;
+        m->failed.at[i] = 0;
         m->mark.at[i] = PBW_TETS_FOUND;
         m->original.at[i] = (pbw_index)i;
     }
@@ -3024,7 +3051,7 @@ static void pbwim__begin_task(pbwim__mesh *m, pbwim__task *task)
     if (task->point == PBW_NONE) {
         task->point = (pbw_index)m->points++;
         m->star.at[task->point] = m->original.at[task->point] = PBW_NONE;
-        m->touched.at[task->point] = 0;
+        m->touched.at[task->point] = m->failed.at[task->point] = 0;
         m->mark.at[task->point] = PBW_TETS_FOUND;
     }
     task->m = *m;
@@ -3215,6 +3242,7 @@ static int pbwim__halve(pbwim__mesh *m, pbw_index t, int e)
         return 0;
     }
     m->points++;
+    m->failed.at[p] = 0;
     m->mark.at[p] = mark;
     m->size.at[p] = (m->size.at[ring.a] + m->size.at[ring.b]) / 2;
     m->original.at[p] = PBW_NONE;
@@ -3512,10 +3540,22 @@ static double pbwim__badness(const pbwim__mesh *m)
     return bad * (1 - least);
 }
 
+/* Forgets at which points smoothing failed: the target or the distance allowed is another. */
+static void pbwim__forget_failures(pbwim__mesh *m)
+{
+    size_t p;
+    for (p = 0; p < m->points; p++) {
+        m->failed.at[p] = 0;
+    }
+}
+
 /* When passes gain no more: allows the boundary its full distance from the surface.  Returns 0 if it has that. */
 static int pbwim__relax_distance(pbwim__mesh *m, const pbw_improve_options *how)
 {
     const int relaxed = how != NULL && m->distance < how->distance;
+    if (relaxed) {
+        pbwim__forget_failures(m);
+    }
     m->distance = relaxed ? how->distance : m->distance;
     return relaxed;
 }
@@ -3535,6 +3575,9 @@ static pbw_status pbwim__raise_target(pbwim__mesh *m, double done[2])
         m->tried.at[t / 2][t % 2] = 0;
     }
     for (i = 0; i < 8 && status == PBW_OK && !pbwim__is_late(m); i++) {
+        if (i % 4 == 0) {
+            pbwim__forget_failures(m);
+        }
         m->target = i < 4 ? sin(fmin(asin(target) + PBWIM__RAISE, 1.2)) : target;
         m->distance = i < 4 && distance > 0 ? 1e-300 : distance;
         done[1] = done[0] + (1 - done[0]) / 8;
@@ -3542,6 +3585,7 @@ static pbw_status pbwim__raise_target(pbwim__mesh *m, double done[2])
         done[0] = done[1];
         m->report->passes++;
     }
+    pbwim__forget_failures(m);
     m->target = target;
     m->distance = distance;
     m->active.count = 0;
@@ -3595,6 +3639,7 @@ static void pbwim__free(pbwim__mesh *m)
     PBW_RELEASE(&m->memory, m->star);
     PBW_RELEASE(&m->memory, m->mark);
     PBW_RELEASE(&m->memory, m->touched);
+    PBW_RELEASE(&m->memory, m->failed);
     PBW_RELEASE(&m->memory, m->original);
     PBW_RELEASE(&m->memory, m->corner);
     PBW_RELEASE(&m->memory, m->next);

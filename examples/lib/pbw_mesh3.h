@@ -49,7 +49,9 @@
           diametral balls of these pieces;
         - where the boundary is no manifold;
         - if there is nothing else to add, on tips and ridges of the surface that are far from the boundary.
-      Rounds end when none of these is left, or after options.rounds.
+      If nothing is left, but tips stay far, as points would be too near to others, the sizes around them are halved,
+      up to twice, and rounds go on, unless that leads to faults of the boundary.  Rounds end when none of these is
+      left, or after options.rounds.
    5. If the boundary has faults, steps 2 to 4 are repeated: with the surface as one patch; or without sharp edges, if
       only some of them were kept.  The attempt with fewer faults goes on.
    6. pbw_improve raises the least dihedral angle.
@@ -64,7 +66,8 @@
 
    Sizes are those of the options, but smaller where two sheets of the surface are near each other: three quarters of
    their distance, or four thirds if that is below 0.4 sizes, but at least 1/6 of the size, or 1/3 if no sharp edges
-   are kept; likewise between sharp edges that do not meet.  A callback and, with options.curvature, the curvature
+   are kept, and at tips 1/12; between shells 1/40, if two million tetrahedra will do; likewise between sharp
+   edges that do not meet.  A callback and, with options.curvature, the curvature
    lower them too.  They grow by 0.35 for each unit of length.
    Triangles of a shell are oriented alike.  Holes of an open surface are reported, and closed by triangles of least
    area (Barequet and Sharir 1995).  If these have more than 0.34 of the surface's area, it is refused, unless
@@ -84,7 +87,7 @@
    walls are interfaces, and edges at which three or more meet are sharp.  Each region's boundary is examined
    separately, and the Euler numbers are sums over regions.
 
-   DOES NOT  settle at gaps below 1/10 of the size, nor always at acute edges: it warns about these.  Surfaces with
+   DOES NOT  settle at gaps of a shell below 1/10 of the size, nor always at acute edges: it warns.  Surfaces with
              walls below about 1/10 of the size on the whole are refused: report.thickness.
              Shells may be nested or cross, and the edges where they cross are rounded; if they coincide only in
              part, or with other triangles, the space between is no region, or noise.  Where four walls meet inside,
@@ -132,7 +135,7 @@ struct pbw_solid_report;
 typedef struct pbw_solid_options {         /* NULL or all zero = best defaults */
     double size;                           /* length of edges, at most; 0 = 1/40 of the box's diagonal */
     double least_size;                     /* local sizes are not below it; 0 = 1/6 of size, 1/16 with size_at, 1/3
-                                              where no sharp edges are kept */
+                                              where no sharp edges are kept; at tips 1/12 */
     /* The length of edges at a place, where it is below the size.  Several threads call it at once, also with
        rounds = 0, unless options.threads is 1.  NULL = none. */
     double (*size_at)(void *user, const double point[3]);
@@ -155,13 +158,13 @@ typedef struct pbw_solid_options {         /* NULL or all zero = best defaults *
     double distance;                       /* facets farther from the surface, in sizes, get points, and improvement
                                               keeps them within 1.48 times that; places of the surface farther from
                                               the boundary get points, if no others are near; 0 = 0.1 */
-    int rounds;                            /* at most; 0 = 16 */
+    int rounds;                            /* at most; 0 = 16, or 24 where tips need them */
     pbw_improve_options improve;           /* target < 0: no improvement */
 } pbw_solid_options;
 
 /* Which sharp edges are kept.  AUTO: an edge that is also sharp between the parts of the surface within a size of it,
    or between planes that go on for three sizes, and part of a chain of several sizes, is a feature.  If 85 % of the
-   sharp edges are features, all are kept, as in models from CAD; if at most 30 % are, none, as in scans; else the
+   sharp edges are features, all are kept, as in models from CAD; if at most a third are, none, as in scans; else the
    features. */
 enum { PBW_SOLID_SHARP_AUTO, PBW_SOLID_SHARP_ALL, PBW_SOLID_SHARP_SOME, PBW_SOLID_SHARP_NONE };
 
@@ -293,6 +296,14 @@ typedef struct pbwm3__shell {
     int open, seen;
 } pbwm3__shell;
 
+typedef struct pbwm3__points {             /* what a round starts from */
+    pbwsf__vectors x;
+    pbwsf__flags kind;
+    pbwsf__indices set;
+    PBW_ARRAY(pbwm3__piece) pieces;
+    size_t faults, missing_edges;          /* of their boundary */
+} pbwm3__points;
+
 typedef struct pbwm3__work {
     pbw_memory memory;
     const pbw_solid_input *input;
@@ -315,9 +326,14 @@ typedef struct pbwm3__work {
     int timed, late, cancelled;            /* timed: the stage ends at the deadline; late: it has; cancelled: by the
                                               caller */
     double size, distance, cosine, low[3], high[3];
-    double floor, least, step;             /* sizes: what none is below; the least of the field; width of the spacing
-                                              grid's cells */
+    double floor, gap_floor, finest;       /* what no size is below at first; between two shells; at tips */
+    double least, mean, step;              /* the least size of the field, the mean of the surface's area; width of
+                                              the spacing grid's cells */
     pbwsf__numbers field;                  /* local sizes, in cells as wide as the size, n along each axis */
+    pbwsf__flags halved;                   /* per cell: which time its size was halved last */
+    int halvings;                          /* how often rounds have halved sizes */
+    size_t cells_halved;                   /* the last time */
+    pbwm3__points kept;                    /* before the first time */
     size_t n[3];
     pbw_surface surface;                   /* of points at different places */
     pbwsf__vectors vertices;               /* its own arrays */
@@ -1897,7 +1913,7 @@ static int pbwm3__choose_sharp(pbwm3__work *w, pbwm3__features *f, const pbwsf__
     }
     if (sharp == PBW_SOLID_SHARP_AUTO) {
         sharp = w->report->sharp_share < 0 || w->report->sharp_share >= 0.85 ? PBW_SOLID_SHARP_ALL
-              : w->report->sharp_share > 0.3 ? PBW_SOLID_SHARP_SOME : PBW_SOLID_SHARP_NONE;
+              : w->report->sharp_share > 1.0 / 3 ? PBW_SOLID_SHARP_SOME : PBW_SOLID_SHARP_NONE;
     }
     if (good && sharp != PBW_SOLID_SHARP_SOME) {
         memset(f->keeps.at, sharp == PBW_SOLID_SHARP_ALL, f->candidates.count + 1);
@@ -2026,7 +2042,8 @@ static int pbwm3__find_sharp(pbwm3__work *w, pbwsf__pairs *list, size_t *parent)
         for (k = i + 1; k < count && memcmp(edge[i].v, edge[k].v, 2 * sizeof(pbw_index)) == 0; k++) {
         }
         edges++;
-        if (w->input->value == NULL && (k - i > 2 || (k - i == 2 && pbwm3__has_border(w, edge + i)))) {
+        if (w->input->value == NULL && ((k - i > 2 && edge[k - 1].t < w->first_closing)
+                                        || (k - i == 2 && pbwm3__has_border(w, edge + i)))) {
             good = pbwm3__keep_sharp(w, edge + i, k - i, list);
         } else if (w->input->value == NULL && k - i == 2 && pbwm3__is_sharp(w, edge + i)
                    && (edge[i].t < w->first_closing || edge[i + 1].t < w->first_closing)) {
@@ -2301,6 +2318,14 @@ static void pbwm3__lower(pbwm3__work *w, const double p[3], double size)
     *field = fmin(*field, fmax(w->floor, size));
 }
 
+/* Returns what the size between two triangles is not below, at a place between them: less where two shells would grow
+   together. */
+static double pbwm3__gap_floor(const pbwm3__work *w, pbw_index a, pbw_index b, const double between[3])
+{
+    const int apart = w->gap_floor < w->floor && w->shell.at[a] != w->shell.at[b] && pbwm3__inside(w, between) == 0;
+    return apart ? w->gap_floor : w->floor;
+}
+
 /* Returns the size at p, a point of the triangle, from the first triangles that rays along both normals meet, if
    these face it: both planes meet farther away than 1.5 sizes, so that acute edges are no walls.  Walls below 0.4
    sizes get one layer of tetrahedra: edges between half and the whole of their thickness make flat ones. */
@@ -2322,7 +2347,9 @@ static double pbwm3__measure_gap(const pbwm3__work *w, pbw_index triangle, const
             pbwsf__normal_of(&w->surface, met, m);
             pbwsf__cross(n, m, across);
             if (gap * fabs(pbwsf__dot(m, n)) > 1.5 * sqrt(pbwsf__dot(across, across))) {
-                least = fmin(least, (gap < 0.4 ? 1.33 : 0.75) * gap * w->size);
+                pbwsf__between(p, a, 500 * gap, b);  /* a is 1/1000 of the size away */
+                least = fmin(least, fmax((gap < 0.4 ? 1.33 : 0.75) * gap * w->size,
+                                         pbwm3__gap_floor(w, triangle, met, b)));
             }
         }
     }
@@ -2584,7 +2611,8 @@ static pbw_status pbwm3__lower_gaps(pbwm3__work *w, pbwm3__gap *gap, size_t coun
     gaps.gap = gap;
     status = pbw_for(pbwm3__inner_options(w), count, 64, pbwm3__gap_range, &gaps);
     for (i = 0; status == PBW_OK && i < count; i++) {
-        pbwm3__lower(w, gap[i].p, gap[i].size);
+        double *field = w->field.at + pbwm3__field_cell(w, gap[i].p);
+        *field = fmin(*field, gap[i].size);
     }
     return status;
 }
@@ -2624,36 +2652,29 @@ static pbw_status pbwm3__measure_gaps(pbwm3__work *w)
 static pbw_status pbwm3__estimate(pbwm3__work *w)
 {
     pbw_solid_report *r = w->report;
-    double squares = 0;
+    double squares = 0, area = 0, n[3];
     size_t i;
     for (i = 0; i < w->surface.triangle_count; i++) {
+        pbwsf__normal_of(&w->surface, (pbw_index)i, n);
+        area += sqrt(pbwsf__dot(n, n)) / 2;
         squares += pbwm3__spread_area(w, (pbw_index)i, NULL);
         if (pbwm3__has_ended(w)) {
             return PBW_CANCELLED;
         }
     }
+    w->mean = squares > 0 ? fmax(w->least, sqrt(area / squares)) : w->size;
     r->estimate = 5 * fabs(r->input_volume) / w->size / w->size / w->size + 8 * squares;
     r->refusal = r->estimate > (w->how.most > 0 ? w->how.most : 5e7) ? PBW_SOLID_LARGE : PBW_SOLID_FILLED;
     return r->refusal == PBW_SOLID_LARGE ? PBW_ERROR_TOO_LARGE : PBW_OK;
 }
 
-/* With chains and patches found. */
-static pbw_status pbwm3__make_field(pbwm3__work *w)
+/* Fills the field, and estimates. */
+static pbw_status pbwm3__fill_field(pbwm3__work *w)
 {
+    const size_t total = w->n[0] * w->n[1] * w->n[2];
     pbw_status status;
-    size_t i, total = 1;
-    int k;
+    size_t i;
     w->least = w->size;
-    for (k = 0; k < 3; k++) {
-        w->n[k] = (size_t)ceil((w->high[k] - w->low[k]) / w->size) + 1;
-        total *= w->n[k];
-    }
-    if (total > 50000000) {
-        return pbwm3__estimate(w);                   /* too fine a grid: one size */
-    }
-    if (!PBW_FIT(&w->memory, w->field, total)) {
-        return PBW_ERROR_MEMORY;
-    }
     for (i = 0; i < total; i++) {
         w->field.at[i] = w->size;
     }
@@ -2675,6 +2696,36 @@ static pbw_status pbwm3__make_field(pbwm3__work *w)
         pbwm3__grade(w);
     }
     return pbwm3__estimate(w);
+}
+
+#define PBWM3__GAP_TETS 2e6                /* the least gaps are kept if they need no more tetrahedra than these */
+
+/* With chains and patches found.  The field is filled again while gaps between shells need too many tetrahedra. */
+static pbw_status pbwm3__make_field(pbwm3__work *w)
+{
+    const int apart = w->shells.count > 1 && !w->walls && w->report->crossings == 0 && !(w->how.least_size > 0);
+    pbw_status status;
+    size_t total = 1;
+    int k;
+    w->least = w->size;
+    for (k = 0; k < 3; k++) {
+        w->n[k] = (size_t)ceil((w->high[k] - w->low[k]) / w->size) + 1;
+        total *= w->n[k];
+    }
+    if (total > 50000000) {
+        return pbwm3__estimate(w);                   /* too fine a grid: one size */
+    }
+    if (!PBW_FIT(&w->memory, w->field, total)) {
+        return PBW_ERROR_MEMORY;
+    }
+    w->gap_floor = apart ? fmin(w->floor, w->size / 40) : w->floor;
+    status = pbwm3__fill_field(w);
+    while ((status == PBW_OK || w->report->refusal == PBW_SOLID_LARGE) && w->gap_floor < w->floor
+           && w->report->estimate > PBWM3__GAP_TETS) {
+        w->gap_floor = fmin(w->floor, 2 * w->gap_floor);
+        status = pbwm3__fill_field(w);
+    }
+    return status;
 }
 
 /* ------------------------------------------------------------------------------------------------------
@@ -3736,9 +3787,23 @@ static int pbwm3__compare_places(const void *a, const void *b)
     return (x->p[k] > y->p[k]) - (x->p[k] < y->p[k]);
 }
 
-/* Adds points at the places that are too far from the boundary, the farthest first.  Returns how many, -1 without
-   memory. */
-static long pbwm3__add_places(pbwm3__work *w, pbwm3__place_list *places)
+/* Halves the size around a place that needs a point, but not below the finest; a cell's once each time. */
+static void pbwm3__halve_size(pbwm3__work *w, const double p[3])
+{
+    const size_t cell = pbwm3__field_cell(w, p);
+    double *size = w->field.at + cell;
+    if (w->halved.at[cell] < w->halvings && *size > w->finest) {
+        *size = fmax(w->finest, *size / 2);
+        w->halved.at[cell] = (unsigned char)w->halvings;
+        w->cells_halved++;
+    }
+}
+
+#define PBWM3__TIP_DISTANCE 1.5            /* of options.distance: where the surface is farther, sizes are halved */
+
+/* Adds points at the places that are too far from the boundary, the farthest first; or halves the sizes there.
+   Returns how many points, -1 without memory. */
+static long pbwm3__add_places(pbwm3__work *w, pbwm3__place_list *places, int halve)
 {
     pbwm3__place *place = places->at;
     size_t i, far = 0;
@@ -3759,12 +3824,15 @@ static long pbwm3__add_places(pbwm3__work *w, pbwm3__place_list *places)
         patch = pbwm3__to_surface(w, p);
         got = pbwm3__add_if_far(w, p, patch, 0.3, 0.25);
         added += got;
+        if (halve && got == 0 && place[i].distance > PBWM3__TIP_DISTANCE * w->distance * w->size) {
+            pbwm3__halve_size(w, p);
+        }
     }
     return got < 0 ? -1 : added;
 }
 
-/* Adds points where the surface is far from the boundary; *added: how many. */
-static pbw_status pbwm3__cover_surface(pbwm3__work *w, long *added)
+/* Adds points where the surface is far from the boundary, or halves the sizes there; *added: how many points. */
+static pbw_status pbwm3__cover_surface(pbwm3__work *w, int halve, long *added)
 {
     pbwsf__triples facets = { NULL, 0, 0 };
     pbwm3__place_list list = { NULL, 0, 0 };
@@ -3787,7 +3855,7 @@ static pbw_status pbwm3__cover_surface(pbwm3__work *w, long *added)
     status = status != PBW_OK ? status
            : pbw_for(pbwm3__inner_options(w), list.count, 256, pbwm3__place_range, &places);
     if (status == PBW_OK) {
-        *added = pbwm3__add_places(w, &list);
+        *added = pbwm3__add_places(w, &list, halve);
         status = *added < 0 ? PBW_ERROR_MEMORY : PBW_OK;
     }
     pbwm3__drop_surface(w, &boundary);
@@ -3797,9 +3865,99 @@ static pbw_status pbwm3__cover_surface(pbwm3__work *w, long *added)
     return status;
 }
 
+/* Counts the faults of the boundary before improvement. */
+static pbw_status pbwm3__count_faults(pbwm3__work *w)
+{
+    pbwsf__triples facets = { NULL, 0, 0 };
+    pbwm3__labels labels = { NULL, 0, 0 };
+    pbwm3__topology top;
+    pbw_status status = PBW_ERROR_MEMORY;
+    memset(&top, 0, sizeof top);
+    if (pbwm3__list_boundary(w, &facets, &labels)
+        && pbwm3__examine_labels(w, &facets, &labels, w->x.count, &top)) {
+        w->report->bad_edges = top.bad_edges;
+        w->report->bad_points = top.bad_points;
+        status = PBW_OK;
+    }
+    PBW_RELEASE(&w->memory, facets);
+    PBW_RELEASE(&w->memory, labels);
+    PBW_RELEASE(&w->memory, top.edges);
+    PBW_RELEASE(&w->memory, top.flags);
+    return status;
+}
+
+/* Copies the points, so that they can be put back.  Returns 0 without memory. */
+static int pbwm3__keep_points(pbwm3__work *w)
+{
+    pbwm3__points *kept = &w->kept;
+    const size_t points = w->x.count, pieces = w->pieces.count;
+    if (!PBW_FIT(&w->memory, kept->x, points) || !PBW_FIT(&w->memory, kept->kind, points)
+        || !PBW_FIT(&w->memory, kept->set, points) || !PBW_FIT(&w->memory, kept->pieces, pieces + 1)) {
+        return 0;
+    }
+    memcpy(kept->x.at, w->x.at, points * sizeof *w->x.at);
+    memcpy(kept->kind.at, w->kind.at, points);
+    memcpy(kept->set.at, w->set.at, points * sizeof *w->set.at);
+    if (pieces > 0) {
+        memcpy(kept->pieces.at, w->pieces.at, pieces * sizeof *w->pieces.at);
+    }
+    kept->x.count = points;
+    kept->pieces.count = pieces;
+    kept->faults = w->report->bad_edges + w->report->bad_points;
+    kept->missing_edges = w->report->missing_edges;
+    return 1;
+}
+
+/* Puts the points back that were kept.  The spacing grid is not: no more are added. */
+static pbw_status pbwm3__put_back(pbwm3__work *w)
+{
+    const pbwm3__points *kept = &w->kept;
+    w->x.count = w->kind.count = w->links.count = w->set.count = kept->x.count;
+    w->pieces.count = kept->pieces.count;
+    memcpy(w->x.at, kept->x.at, w->x.count * sizeof *w->x.at);
+    memcpy(w->kind.at, kept->kind.at, w->x.count);
+    memcpy(w->set.at, kept->set.at, w->x.count * sizeof *w->set.at);
+    if (w->pieces.count > 0) {
+        memcpy(w->pieces.at, kept->pieces.at, w->pieces.count * sizeof *w->pieces.at);
+    }
+    w->report->missing_edges = kept->missing_edges;
+    w->report->settled = 1;
+    return pbwm3__rebuild(w);
+}
+
+/* Halves the sizes at tips that are too far from the boundary, when no point is left to add.  Returns whether it
+   changed one. */
+static pbw_status pbwm3__halve_sizes(pbwm3__work *w, long *changed)
+{
+    const size_t cells = w->n[0] * w->n[1] * w->n[2];
+    pbw_status status = PBW_OK;
+    size_t i;
+    if (w->halvings++ == 0) {
+        status = pbwm3__count_faults(w);
+        if (status == PBW_OK && !(PBW_ZEROS(&w->memory, w->halved, cells) && pbwm3__keep_points(w))) {
+            status = PBW_ERROR_MEMORY;
+        }
+    }
+    if (status != PBW_OK) {
+        return status;
+    }
+    w->cells_halved = 0;
+    status = pbwm3__cover_surface(w, 1, changed);
+    for (i = 0; w->cells_halved > 0 && i < cells; i++) {
+        w->least = fmin(w->least, w->field.at[i]);
+    }
+    if (w->cells_halved > 0) {
+        pbwm3__grade(w);
+        *changed += 1;
+    }
+    return status;
+}
+
+enum { PBWM3__ROUNDS = 16, PBWM3__MORE_ROUNDS = 24, PBWM3__HALVINGS = 2 };       /* by default; with halvings */
+
 static pbw_status pbwm3__rounds(pbwm3__work *w)
 {
-    const int most = w->how.rounds > 0 ? w->how.rounds : 16;
+    int most = w->how.rounds > 0 ? w->how.rounds : PBWM3__ROUNDS;
     pbw_status status = PBW_OK;
     long added = 1;
     while (status == PBW_OK) {
@@ -3818,16 +3976,28 @@ static pbw_status pbwm3__rounds(pbwm3__work *w)
         }
         if (status == PBW_OK && added == 0) {
             w->timed = 1;
-            status = pbwm3__cover_surface(w, &added);
+            status = pbwm3__cover_surface(w, 0, &added);
+            if (status == PBW_OK && added == 0 && w->field.at != NULL && w->halvings < PBWM3__HALVINGS
+                && w->report->crossings == 0) {      /* else parts of the surface may be inside, and far for ever */
+                status = pbwm3__halve_sizes(w, &added);
+                most = w->how.rounds > 0 ? most : PBWM3__MORE_ROUNDS;
+            }
             w->timed = 0;
         }
-        if (status == PBW_CANCELLED && !w->cancelled) {
-            return PBW_OK;                           /* late */
+        if (status == PBW_CANCELLED && !w->cancelled) {      /* late */
+            status = PBW_OK;
+            break;
         }
         if (status == PBW_OK && added == 0) {
             w->report->settled = 1;
             break;
         }
+    }
+    status = status != PBW_OK ? status : pbwm3__count_faults(w);
+    if (status == PBW_OK && w->kept.x.count > 0
+        && w->report->bad_edges + w->report->bad_points > w->kept.faults) {
+        status = pbwm3__put_back(w);
+        status = status != PBW_OK ? status : pbwm3__count_faults(w);
     }
     return status;
 }
@@ -4325,6 +4495,7 @@ static pbw_status pbwm3__take_input(pbwm3__work *w)
     }
     w->size = w->how.size > 0 ? w->how.size : pbwsf__distance(w->low, w->high) / 40;
     w->floor = fmin(w->size, w->how.least_size > 0 ? w->how.least_size : w->size / (w->how.size_at != NULL ? 16 : 6));
+    w->finest = w->how.least_size > 0 ? w->floor : fmin(w->floor, w->size / 12);
     if (!(w->size > 0 && w->size < HUGE_VAL)) {
         return in->value != NULL ? PBW_ERROR_ARGUMENT : PBW_DEGENERATE;
     }
@@ -4367,7 +4538,7 @@ static pbw_status pbwm3__sample(pbwm3__work *w)
     if (w->how.plan != NULL && w->begin <= 0) {      /* the first attempt */
         w->how.plan(w->how.plan_user, w->report);
     }
-    w->step = w->least < 0.16 * w->size ? sqrt(w->least * w->size) : w->least < 0.7 * w->size ? w->size / 2 : w->size;
+    w->step = sqrt(w->least * w->mean);              /* few points a cell, and few cells around coarse ones */
     w->cells = 1 << 12;
     while ((double)w->cells < 2e6 && (double)w->cells * w->step * w->step * w->step
            < 2 * (w->high[0] - w->low[0]) * (w->high[1] - w->low[1]) * (w->high[2] - w->low[2])) {
@@ -4387,6 +4558,11 @@ static void pbwm3__free(pbwm3__work *w)
     pbwm3__drop_mesh(w);
     pbwm3__drop_surface(w, &w->surface);
     PBW_RELEASE(&w->memory, w->field);
+    PBW_RELEASE(&w->memory, w->halved);
+    PBW_RELEASE(&w->memory, w->kept.x);
+    PBW_RELEASE(&w->memory, w->kept.kind);
+    PBW_RELEASE(&w->memory, w->kept.set);
+    PBW_RELEASE(&w->memory, w->kept.pieces);
     PBW_RELEASE(&w->memory, w->vertices);
     PBW_RELEASE(&w->memory, w->triangles);
     PBW_RELEASE(&w->memory, w->origin);
@@ -4447,27 +4623,6 @@ static void pbwm3__free_result(pbwm3__result *r)
     pbw_solid_boundary_free(&r->boundary);
 }
 
-/* Counts the faults of the boundary before improvement. */
-static pbw_status pbwm3__count_faults(pbwm3__work *w)
-{
-    pbwsf__triples facets = { NULL, 0, 0 };
-    pbwm3__labels labels = { NULL, 0, 0 };
-    pbwm3__topology top;
-    pbw_status status = PBW_ERROR_MEMORY;
-    memset(&top, 0, sizeof top);
-    if (pbwm3__list_boundary(w, &facets, &labels)
-        && pbwm3__examine_labels(w, &facets, &labels, w->x.count, &top)) {
-        w->report->bad_edges = top.bad_edges;
-        w->report->bad_points = top.bad_points;
-        status = PBW_OK;
-    }
-    PBW_RELEASE(&w->memory, facets);
-    PBW_RELEASE(&w->memory, labels);
-    PBW_RELEASE(&w->memory, top.edges);
-    PBW_RELEASE(&w->memory, top.flags);
-    return status;
-}
-
 /* An attempt up to its rounds.  whole: the surface is one patch, else sharp edges bound patches; sharp: which are
    kept; begin: of its part of the progress. */
 static pbw_status pbwm3__attempt(const pbwm3__call *call, int whole, int sharp, double begin,
@@ -4508,7 +4663,6 @@ static pbw_status pbwm3__attempt(const pbwm3__call *call, int whole, int sharp, 
     }
     report->seconds[0] = pbwm3__lap(&since);
     status = status != PBW_OK ? status : pbwm3__begin_stage(w, "rounds", 0.1) ? PBW_CANCELLED : pbwm3__rounds(w);
-    status = status != PBW_OK ? status : pbwm3__count_faults(w);
     report->seconds[1] = pbwm3__lap(&since);
     return status;
 }

@@ -25,7 +25,7 @@ static const option solid_options[] = {
     OPTION_FEATURE_ANGLE,
     { "--distance", "D", "facets farther than D sizes from the surface get points; default 0.1", POSITIVE, 0, 0,
       NULL },
-    OPTION_ROUNDS("of adding points, at most, default 16"),
+    OPTION_ROUNDS("of adding points, at most, default 16, or 24 where tips need them"),
     OPTION_TARGET,
     OPTION_SECONDS,
     OPTION_QUALITY,
