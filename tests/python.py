@@ -1476,6 +1476,13 @@ def fill_keeps_faces():
     check(set(map(tuple, np.sort(made.sides[made.sides[:, 1] >= 0], axis=1).tolist())) == {(2, 5)})
     check(len(made.facets) == 24 - made.report["doubles"] and made.report["refusal"] == 0)
     check(len(pbw.fill(cube, hull, conforming=True, split_flat=True).facets) >= 12)
+    ball = np.random.default_rng(1).normal(size=(60, 3))
+    ball /= np.linalg.norm(ball, axis=1)[:, None]
+    skin = pbw.Delaunay(ball).convex_hull
+    better = pbw.fill(ball, skin, target=20)
+    equal(np.sort(np.sort(better.original[better.facets], axis=1), axis=0),
+          np.sort(np.sort(skin[better.facet_triangle], axis=1), axis=0))
+    check(better.report["improve"]["after"]["least"] > better.report["improve"]["before"]["least"])
     names = np.where(cube[hull].mean(axis=1)[:, 0] == 0, "inlet", "wall")
     made = pbw.fill(cube, hull, numbers=names)
     found = areas(made, "inlet")

@@ -482,6 +482,33 @@ static void test_stars(void)
     }
 }
 
+/* Better angles inside, with the same facets. */
+static void test_improvement(void)
+{
+    uint64_t key = 77;
+    if (test_begin("better angles, the same facets")) {
+        static const double centre[3] = { 0, 0, 0 };
+        pbw_fill_options how;
+        pbw_fill_report report;
+        pbw_fill_input in;
+        pbw_filled f;
+        memset(&how, 0, sizeof how);
+        how.improve.target = 15;
+        how.improve.passes = 8;
+        big.points = big.triangles = 0;
+        add_star(100, 0.8, centre, 1, &key);
+        (void)point(0.125, 0.25, 0.125);             /* of no triangle: it stays */
+        in = input_of_big();
+        (void)fill_and_check(&in, &how, enclosed(&in));
+        CHECK_EQUAL(pbw_fill(&in, &how, NULL, &f, &report), PBW_OK);
+        CHECK(report.improve.after.least > report.improve.before.least + 1);
+        CHECK(report.inner.least >= report.improve.after.least);
+        CHECK(f.tets.tet_count > 0 && f.tets.original[100] == 100);
+        pbw_fill_free(&f);
+        test_end();
+    }
+}
+
 static void test_cells(void)
 {
     uint64_t key = 1000000;
@@ -879,6 +906,7 @@ int main(int argc, char **argv)
     test_checker();
     test_all_parts();
     test_stars();
+    test_improvement();
     test_cells();
     test_shells();
     test_seeds();

@@ -47,6 +47,7 @@
       odd number of nested bodies is kept.
    6. Points of the input go back from the grid to their places, but for those where a tetrahedron would turn; with
       points added on the surface, none.
+   7. With a target, pbw_improve raises the dihedral angles inside, and adds points there (PBW_TETS_FROZEN).
 
    PROMISES  (tests/test_fill.c guards them)
      exact       all tetrahedra are positive, by exact signs, in the coordinates that come out.  The facets are the
@@ -57,8 +58,7 @@
      same        the same bytes for any number of threads
      bounded     no recursion, and no assert on any input
 
-   DOES NOT  work on several threads, but for the first triangulation and the search for crossings.  Nor does it
-             improve angles: pbw_improve does, and with PBW_TETS_FROZEN for points of the surface keeps its triangles.
+   DOES NOT  work on several threads, but for the first triangulation, the search for crossings, and improvement.
              Triangles nearer to each other than 2^-29 of the box may cross on the grid, and are refused then.  Where
              points were added on the surface, the input's points stay on the grid; and far from the origin, as seen
              against the box, tetrahedra may be flat: report.flat_tets.
@@ -109,6 +109,7 @@ typedef struct pbw_fill_options {          /* NULL or all zero = best defaults *
     int outside;                           /* 1: the outside is kept, too, up to a box five times as wide as the
                                               surface's, as the last region */
     size_t most;                           /* points added to segments, at most; 0 = 50 million */
+    pbw_improve_options improve;           /* of the inside, with the facets as they are, if its target is above 0 */
     const char **stage;                    /* gets the name of the stage before its progress is reported: those of
                                               report.seconds; NULL = none */
 } pbw_fill_options;
@@ -143,8 +144,10 @@ typedef struct pbw_fill_report {
     size_t inner_points;                   /* of the result: added points, inside and on edges */
     size_t regions;                        /* that are kept */
     size_t flat_tets;                      /* without volume, as places between grid points are no doubles */
-    double seconds[8];                     /* of processor time: grid, triangulate, edges, crossings, segments,
-                                              facets, exact, regions */
+    pbw_improve_report improve;            /* dihedral angles before and after; zeros without improvement */
+    pbw_quality inner;                     /* those of tetrahedra without a point of the surface, after */
+    double seconds[9];                     /* of processor time: grid, triangulate, edges, crossings, segments,
+                                              facets, exact, regions, improve */
 } pbw_fill_report;
 
 typedef struct pbw_filled {                /* start from {0}; pbw_fill_free when done */
@@ -2780,6 +2783,7 @@ typedef struct pbwfill__result {
     pbw_memory memory;
     PBW_ARRAY(double) points;
     pbwfill__indices corners, neighbors, regions, original, patches, facets, facet_triangle, facet_corners, sides;
+    pbw_tets better;                       /* after improvement: then it holds the arrays of tetrahedra */
 } pbwfill__result;
 
 PBWFILLDEF void pbw_fill_free(pbw_filled *filled)
@@ -2787,6 +2791,7 @@ PBWFILLDEF void pbw_fill_free(pbw_filled *filled)
     if (filled != NULL && filled->memory != NULL) {
         pbwfill__result *r = (pbwfill__result *)filled->memory;
         pbw_memory memory = r->memory;
+        pbw_tets_free(&r->better);
         PBW_RELEASE(&memory, r->points);
         PBW_RELEASE(&memory, r->corners);
         PBW_RELEASE(&memory, r->neighbors);
@@ -2898,70 +2903,179 @@ static pbw_index pbwfill__triangle_at(const pbwfill__work *w, const pbw_surface 
     return nearest != PBW_NONE && w->facet_of.at[nearest] == facet ? nearest : w->members.at[first];
 }
 
-/* Copies the tetrahedra, and lists the facets, each of the kept tetrahedron with the lower number. */
-static int pbwfill__copy(pbwfill__work *w, pbwfill__result *r, const pbw_surface *surface,
-                         const pbwfill__indices *tet, const pbwfill__indices *point)
+/* Copies the tetrahedra. */
+static void pbwfill__copy(pbwfill__work *w, pbwfill__result *r, const pbw_surface *surface,
+                          const pbwfill__indices *tet, const pbwfill__indices *point)
 {
     size_t i, j;
     unsigned k;
     for (i = 0; i < w->tets.count; i++) {
         const pbwfill__tet *t = w->tets.at + i;
         const size_t to = tet->at[i];
-        if (to == PBW_NONE) {
-            continue;
-        }
-        r->regions.at[to] = w->region.at[i];
-        for (k = 0; k < 4; k++) {
+        for (k = 0; k < 4 && to != PBW_NONE; k++) {
             const pbw_index next = t->n[k] == PBW_NONE ? PBW_NONE : tet->at[t->n[k]];
-            pbw_index v[3], triangle;
+            pbw_index v[3], triangle = PBW_NONE;
             r->corners.at[4 * to + k] = point->at[t->v[k]];
             r->neighbors.at[4 * to + k] = next;
-            if (t->wall[k] == PBW_NONE) {
-                r->patches.at[4 * to + k] = PBW_NONE;
-                continue;
+            if (t->wall[k] != PBW_NONE && next < to) {           /* the other side has it already */
+                triangle = r->patches.at[4 * (size_t)next + pbwfill__back(w->tets.at + t->n[k], (pbw_index)i)];
+            } else if (t->wall[k] != PBW_NONE) {
+                for (j = 0; j < 3; j++) {
+                    v[j] = t->v[PBW_FACET_CORNER(k, j)];
+                }
+                triangle = pbwfill__triangle_at(w, surface, v, t->wall[k]);
             }
-            for (j = 0; j < 3; j++) {
-                v[j] = t->v[PBW_FACET_CORNER(k, j)];
-            }
-            if (next < to) {                         /* it is listed already */
-                r->patches.at[4 * to + k] = r->patches.at[4 * (size_t)next + pbwfill__back(w->tets.at + t->n[k],
-                                                                                           (pbw_index)i)];
-                continue;
-            }
-            triangle = pbwfill__triangle_at(w, surface, v, t->wall[k]);
             r->patches.at[4 * to + k] = triangle;
-            if (!PBW_RESERVE(&r->memory, r->facets, 3) || !PBW_RESERVE(&r->memory, r->sides, 2)
-                || !PBW_PUSH(&r->memory, r->facet_triangle, triangle)
-                || !PBW_PUSH(&r->memory, r->facet_corners, (pbw_index)(4 * to + k))) {
-                return 0;
-            }
-            for (j = 0; j < 3; j++) {
-                r->facets.at[r->facets.count++] = point->at[v[j]];
-            }
-            r->sides.at[r->sides.count++] = w->region.at[i];
-            r->sides.at[r->sides.count++] = next == PBW_NONE ? PBW_NONE : w->region.at[t->n[k]];
+        }
+        if (to != PBW_NONE) {
+            r->regions.at[to] = w->region.at[i];
         }
     }
     pbwfill__put_back(w, r);
+}
+
+/* Lists the facets, each of the tetrahedron with the lower number.  Returns 0 without memory. */
+static int pbwfill__list_facets(pbwfill__result *r, const pbw_tets *tets)
+{
+    size_t i;
+    unsigned k;
+    r->facets.count = r->sides.count = r->facet_triangle.count = r->facet_corners.count = 0;
+    for (i = 0; i < 4 * tets->tet_count; i++) {
+        const pbw_index next = tets->neighbors[i], *c = tets->corners + i / 4 * 4;
+        if (tets->patches[i] == PBW_NONE || next < i / 4) {
+            continue;
+        }
+        if (!PBW_RESERVE(&r->memory, r->facets, 3) || !PBW_RESERVE(&r->memory, r->sides, 2)
+            || !PBW_PUSH(&r->memory, r->facet_triangle, tets->patches[i])
+            || !PBW_PUSH(&r->memory, r->facet_corners, (pbw_index)i)) {
+            return 0;
+        }
+        for (k = 0; k < 3; k++) {
+            r->facets.at[r->facets.count++] = c[PBW_FACET_CORNER(i % 4, k)];
+        }
+        r->sides.at[r->sides.count++] = tets->regions[i / 4];
+        r->sides.at[r->sides.count++] = next == PBW_NONE ? PBW_NONE : tets->regions[next];
+    }
     return 1;
 }
 
+/* What the result holds becomes the caller's view; `original` is always its own. */
 static void pbwfill__hand_over(pbwfill__result *r, pbw_filled *filled)
 {
     filled->memory = r;
-    filled->tets.points = r->points.at;
-    filled->tets.point_count = r->original.count;
-    filled->tets.corners = r->corners.at;
-    filled->tets.tet_count = r->regions.count;
-    filled->tets.neighbors = r->neighbors.at;
-    filled->tets.regions = r->regions.at;
+    filled->tets = r->better;
+    if (r->better.memory == NULL) {
+        filled->tets.points = r->points.at;
+        filled->tets.point_count = r->original.count;
+        filled->tets.corners = r->corners.at;
+        filled->tets.tet_count = r->regions.count;
+        filled->tets.neighbors = r->neighbors.at;
+        filled->tets.regions = r->regions.at;
+        filled->tets.patches = r->patches.at;
+    }
+    filled->tets.memory = NULL;
     filled->tets.original = r->original.at;
-    filled->tets.patches = r->patches.at;
     filled->facets = r->facets.at;
     filled->facet_count = r->facet_triangle.count;
     filled->facet_triangle = r->facet_triangle.at;
     filled->facet_corners = r->facet_corners.at;
     filled->sides = r->sides.at;
+}
+
+/* Marks the points of facets and of wires as frozen, and points of the input inside as fixed. */
+static void pbwfill__mark_points(const pbwfill__work *w, const pbw_tets *tets, const pbwfill__indices *point,
+                                 unsigned char *marks, pbwfill__indices *wires)
+{
+    size_t i;
+    unsigned k;
+    for (i = 0; i < tets->point_count; i++) {
+        marks[i] = tets->original[i] != PBW_NONE ? PBW_TETS_FIXED : PBW_TETS_FOUND;
+    }
+    for (i = 0; i < 4 * tets->tet_count; i++) {
+        for (k = 0; k < 3 && tets->patches[i] != PBW_NONE; k++) {
+            marks[tets->corners[i / 4 * 4 + PBW_FACET_CORNER(i % 4, k)]] = PBW_TETS_FROZEN;
+        }
+    }
+    for (i = 0; i < w->pieces.count; i++) {
+        const pbwfill__piece *p = w->pieces.at + i;
+        if (w->edges.at[p->edge].count == 0 && point->at[p->a] != PBW_NONE && point->at[p->b] != PBW_NONE) {
+            marks[point->at[p->a]] = marks[point->at[p->b]] = PBW_TETS_FROZEN;
+            wires->at[wires->count++] = point->at[p->a];
+            wires->at[wires->count++] = point->at[p->b];
+        }
+    }
+}
+
+/* The angles of the tetrahedra without a point of the surface. */
+static int pbwfill__inner_quality(pbwfill__work *w, const pbw_tets *tets)
+{
+    pbwfill__indices corners = { NULL, 0, 0 };
+    pbw_tets inner;
+    size_t i;
+    int good = PBW_FIT(&w->memory, corners, 4 * tets->tet_count + 1);
+    memset(&inner, 0, sizeof inner);
+    for (i = 0; good && i < tets->tet_count; i++) {
+        const pbw_index *c = tets->corners + 4 * i;
+        const unsigned char *m = tets->marks;
+        if (m[c[0]] != PBW_TETS_FROZEN && m[c[1]] != PBW_TETS_FROZEN && m[c[2]] != PBW_TETS_FROZEN
+            && m[c[3]] != PBW_TETS_FROZEN) {
+            memcpy(corners.at + corners.count, c, 4 * sizeof *c);
+            corners.count += 4;
+        }
+    }
+    inner.points = tets->points;
+    inner.point_count = tets->point_count;
+    inner.corners = corners.at;
+    inner.tet_count = corners.count / 4;
+    good = good && (inner.tet_count == 0 || pbw_tets_quality(&inner, pbwfill__inner_options(w), &w->report->inner));
+    PBW_RELEASE(&w->memory, corners);
+    return good;
+}
+
+/* Improves the tetrahedra, and keeps the facets. */
+static pbw_status pbwfill__improve(pbwfill__work *w, pbwfill__result *r, const pbw_filled *filled,
+                                   const pbwfill__indices *point)
+{
+    pbw_tets in = filled->tets;
+    pbwfill__indices wires = { NULL, 0, 0 }, original = { NULL, 0, 0 };
+    PBW_ARRAY(unsigned char) marks = { NULL, 0, 0 };
+    pbw_status status = PBW_ERROR_MEMORY;
+    size_t i;
+    if (PBW_ZEROS(&w->memory, marks, in.point_count) && PBW_FIT(&w->memory, wires, 2 * w->pieces.count + 1)) {
+        pbw_options options = *pbwfill__inner_options(w);
+        options.resize = w->caller == NULL ? NULL : w->caller->resize;
+        options.resize_user = w->caller == NULL ? NULL : w->caller->resize_user;
+        options.memory_limit = pbw_memory_left(&w->memory);
+        pbwfill__mark_points(w, &in, point, marks.at, &wires);
+        in.marks = marks.at;
+        in.edges = wires.at;
+        in.edge_count = wires.count / 2;
+        status = pbw_improve(&in, &w->how.improve, &options, &r->better, &w->report->improve);
+    }
+    if (status == PBW_OK && !(PBW_FIT(&r->memory, original, r->better.point_count + 1)
+                              && pbwfill__list_facets(r, &r->better) && pbwfill__inner_quality(w, &r->better))) {
+        status = PBW_ERROR_MEMORY;
+    }
+    if (status == PBW_OK) {
+        w->report->inner_points = 0;
+        for (i = 0; i < r->better.point_count; i++) {
+            const pbw_index from = r->better.original[i];
+            original.at[i] = from == PBW_NONE ? PBW_NONE : r->original.at[from];
+            w->report->inner_points += original.at[i] == PBW_NONE;
+        }
+        PBW_RELEASE(&r->memory, r->original);
+        r->original = original;
+        PBW_RELEASE(&r->memory, r->points);
+        PBW_RELEASE(&r->memory, r->corners);
+        PBW_RELEASE(&r->memory, r->neighbors);
+        PBW_RELEASE(&r->memory, r->regions);
+        PBW_RELEASE(&r->memory, r->patches);
+    } else {
+        PBW_RELEASE(&r->memory, original);
+    }
+    PBW_RELEASE(&w->memory, marks);
+    PBW_RELEASE(&w->memory, wires);
+    return status;
 }
 
 static pbw_status pbwfill__write(pbwfill__work *w, pbw_filled *filled)
@@ -2981,13 +3095,26 @@ static pbw_status pbwfill__write(pbwfill__work *w, pbw_filled *filled)
         status = pbw_surface_create(w->x.at, w->inputs, w->corners.at, w->corners.count / 3,
                                     pbwfill__inner_options(w), &surface);
     }
-    if (status == PBW_OK && !(pbwfill__number(w, r, &tet, &point) && pbwfill__copy(w, r, &surface, &tet, &point))) {
+    if (status == PBW_OK && !pbwfill__number(w, r, &tet, &point)) {
         status = PBW_ERROR_MEMORY;
+    }
+    if (status == PBW_OK) {
+        pbwfill__copy(w, r, &surface, &tet, &point);
     }
     pbw_surface_free(&surface);
     PBW_RELEASE(&w->memory, tet);
-    PBW_RELEASE(&w->memory, point);
     pbwfill__hand_over(r, filled);
+    if (status == PBW_OK) {
+        status = pbwfill__list_facets(r, &filled->tets) ? PBW_OK : PBW_ERROR_MEMORY;
+        pbwfill__hand_over(r, filled);
+    }
+    if (status == PBW_OK && w->how.improve.target > 0 && w->report->flat_tets == 0) {
+        w->memory.used += r->memory.used;
+        status = pbwfill__begin(w, 8, "improve", 1) ? PBW_CANCELLED : pbwfill__improve(w, r, filled, &point);
+        w->memory.used -= r->memory.used;
+        pbwfill__hand_over(r, filled);
+    }
+    PBW_RELEASE(&w->memory, point);
     if (status != PBW_OK) {
         pbw_fill_free(filled);
     }
@@ -3090,7 +3217,7 @@ static pbw_status pbwfill__run(pbwfill__work *w, pbw_filled *filled)
         status = pbwfill__begin(w, i, stages[i].name, stages[i].to) ? PBW_CANCELLED : stages[i].run(w);
     }
     status = status != PBW_OK ? status : pbwfill__write(w, filled);
-    (void)pbwfill__begin(w, i - 1, NULL, 1);
+    (void)pbwfill__begin(w, w->stage, NULL, 1);
     return status;
 }
 

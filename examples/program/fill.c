@@ -12,6 +12,9 @@ static const option fill_options[] = {
       NULL },
     { "--faces", NULL, "groups of facets are the model's faces, numbered from 1 on, not its groups", SWITCH, 0, 0,
       NULL },
+    { "--target", "DEGREES", "raise dihedral angles inside to this, and to 180 less this, as far as the faces let it",
+      WHOLE, 1, 60, NULL },
+    OPTION_SECONDS,
     OPTION_MOST("points on edges"),
     OPTION_QUALITY,
     { NULL, NULL, NULL, SWITCH, 0, 0, NULL }
@@ -22,10 +25,10 @@ static const option fill_options[] = {
 static void report_on(const job *j, const pbw_filled *f, const pbw_fill_report *r)
 {
     static const char *const stages[] = { "grid", "triangulate", "edges", "crossings", "segments", "facets", "exact",
-                                          "regions" };
+                                          "regions", "improve" };
     pbw_quality quality;
     size_t i;
-    for (i = 0; i < sizeof stages / sizeof *stages; i++) {
+    for (i = 0; i < sizeof stages / sizeof *stages - !is_given(j, "--target"); i++) {
         if (i == 4) {
             report_step(j, stages[i], r->seconds[i], "%zu, of them %zu missing: %zu point%s added", r->segments,
                         r->missing_segments, COUNT(r->segment_points));
@@ -38,8 +41,14 @@ static void report_on(const job *j, const pbw_filled *f, const pbw_fill_report *
     report_line(j, "%zu %s in %zu region%s, %zu point%s, %zu of them new, %zu facet%s on the surface",
                 f->tets.tet_count, simplices(3, f->tets.tet_count), COUNT(r->regions), COUNT(f->tets.point_count),
                 r->inner_points, COUNT(f->facet_count));
+    if (is_given(j, "--target")) {
+        describe_quality(j, "before: ", &r->improve.before);
+    }
     if (pbw_tets_quality(&f->tets, &j->build, &quality)) {
-        describe_quality(j, "angles: ", &quality);
+        describe_quality(j, is_given(j, "--target") ? "after:  " : "angles: ", &quality);
+    }
+    if (is_given(j, "--target") && r->inner.least > 0) {
+        describe_quality(j, "away from the surface: ", &r->inner);
     }
     if (is_given(j, "--quality")) {
         describe_measures(j, &f->tets);
@@ -176,6 +185,8 @@ static int run(job *j)
     how.nested = is_given(j, "--nested");
     how.outside = is_given(j, "--outside");
     how.most = (size_t)number_of(j, "--most", 0);
+    how.improve.target = number_of(j, "--target", 0);
+    how.improve.seconds = number_of(j, "--seconds", 0);
     how.stage = &j->stage;
     status = pbw_fill(&input, &how, &j->build, &filled, &report);
     if (status != PBW_OK) {
@@ -207,10 +218,11 @@ const command command_fill = {
     "kept as they are; so are segments and points of the model.  With --conforming it is the constrained Delaunay\n"
     "triangulation, with points added on edges.\n"
     "Surfaces that cross themselves are refused, and the first places listed: pbw wrap takes them.\n"
-    "Angles may be small: pbw solid makes good tetrahedra near the surface.\n"
+    "Angles may be small: --target raises them where the faces let it; pbw solid makes good tetrahedra near the\n"
+    "surface.\n"
     "\n"
     "of TetGen: -pY is pbw fill, -p is --conforming, -pi is either: points inside are kept; -pA regions, which are\n"
-    "always told.  There is no -q and no -a.\n"
+    "always told; -q --target 20, but with points only where angles need them.  There is no -a.\n"
     "\n"
     "input:   .obj .ply .stl .off .vtu .msh with faces\n"
     "output:  .vtu .msh .msh2 .mesh .inp .su2 .node .ele .neigh .face (tetrahedra, facets), .obj .ply .stl .off\n"

@@ -97,7 +97,7 @@ class _FillInput(ctypes.Structure):
 class _FillOptions(ctypes.Structure):
     """pbw_fill_options."""
     _fields_ = [*((name, ctypes.c_int) for name in ("conforming", "split_flat", "nested", "outside")), ("most", _size),
-                *_pointers("stage")]
+                ("improve", _ImproveOptions), *_pointers("stage")]
 
 
 class _FillReport(ctypes.Structure):
@@ -106,7 +106,7 @@ class _FillReport(ctypes.Structure):
                 *((name, _size) for name in ("rounded", "doubles", "collapsed", "segments", "facets",
                                              "missing_segments", "missing_facets", "segment_points", "inner_points",
                                              "regions", "flat_tets")),
-                ("seconds", _double * 8)]
+                ("improve", _ImproveReport), ("inner", _Quality), ("seconds", _double * 9)]
 
 
 class _Filled(ctypes.Structure):
@@ -145,7 +145,7 @@ class Tets:
         self.report = _plain(report)
 
     def __repr__(self):
-        if "refusal" in self.report and "improve" not in self.report:        # of fill
+        if self.report.get("inner") and self.report["improve"]["after"]["volume"] == 0:      # of fill, not improved
             return "<pbw.Tets: %d tetrahedra, %d points>" % (len(self.tets), len(self.points))
         return "<pbw.Tets: %d tetrahedra, %d points, dihedral angles from %.4g to %.4g degrees>" % (
             len(self.tets), len(self.points), *(self.report.get("improve", self.report)["after"][k]
@@ -412,7 +412,7 @@ def solid(vertices, faces, size=0, target=30, feature_angle=40, rounds=16, patch
 
 
 def fill(vertices, faces, numbers=None, segments=None, seeds=None, seed_regions=None, conforming=False,
-         split_flat=False, nested=False, outside=False, most=50000000):
+         split_flat=False, nested=False, outside=False, target=None, seconds=0, most=50000000):
     """Tetrahedra that keep a surface's own triangles: vertices (n, 3), faces (m, 3), with holes or walls as you like.
 
     The facets are the faces; report["refusal"] is not 0 if points had to stay on edges.  With conforming=True points
@@ -421,6 +421,7 @@ def fill(vertices, faces, numbers=None, segments=None, seeds=None, seed_regions=
     segments (s, 2): edges that belong to no face.  Vertices of no face are kept where they are inside.
     seeds (k, 3): places in regions; seed_regions, their whole numbers, -1 = a hole.  Else what is inside of an odd
     number of shells is kept, with nested=True all that is enclosed, and with outside=True a box around it, too.
+    target: degrees, dihedral angles inside are raised to it as far as the faces let it, in `seconds` if not 0.
 
     Returns a Tets.  Its patches are the face that has each facet, or with numbers its number.
     Raises pbw.Error with the reason where faces cross, have no area, or bound nothing.
@@ -443,7 +444,9 @@ def fill(vertices, faces, numbers=None, segments=None, seeds=None, seed_regions=
             raise ValueError("seed_regions must have one number a seed")
         given.seed_regions = seed_regions.ctypes.data
     _check_number("most", most, 1, 2**32)
-    how = _FillOptions(conforming, split_flat, nested, outside, int(most))
+    if target is not None:
+        _check_number("target", target, 1, 60)
+    how = _FillOptions(conforming, split_flat, nested, outside, int(most), _ImproveOptions(target or 0, seconds))
     filled, report = _Filled(), _FillReport()
 
     def finish(made, mesh):
