@@ -396,8 +396,9 @@ check "improve --quality" says 0 "gamma            least" improve low.msh --qual
 check "fill" says 0 "tetrahedra in 1 region, 8 points, 0 of them new, 12 facets on the surface" fill cube.obj
 check "fill --conforming" says 0 "8 points, 0 of them new, 12 facets" fill cube.obj --conforming
 check "fill --split-flat" says 0 "14 points, 6 of them new, 24 facets" fill cube.obj --conforming --split-flat
-check "fill --target" says 0 "away from the surface: " fill ball.obj --target 20 --seconds 0.3 -o filled.vtu
-check "fill --target keeps the faces" says 0 ", 996 facets on the surface" fill ball.obj --target 20 --seconds 0.3
+"$pbw" mesh --generate sphere 60 --quiet -o small.obj
+check "fill --target" says 0 "away from the surface: " fill small.obj --target 15 -o filled.vtu
+check "fill --target keeps the faces" says 0 ", 116 facets on the surface" fill small.obj --target 15 --seconds 9
 check "fill: a cavity" says 0 " in 1 region, 16 points" fill both.obj --conforming
 check "fill --nested" says 0 " in 2 regions, 16 points" fill both.obj --nested --conforming
 check "fill --outside" says 0 " in 3 regions, 24 points" fill both.obj --outside --conforming
