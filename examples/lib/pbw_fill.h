@@ -1173,8 +1173,10 @@ static int pbwfill__find_reference(const pbwfill__work *w, const pbwfill__piece 
     return 1;
 }
 
-/* Where to split a piece, 0 to 1 from a to b. */
-static double pbwfill__split_at(const pbwfill__work *w, const pbwfill__piece *piece, pbw_index reference)
+/* Where to split a piece, 0 to 1 from a to b; *near: how far from there will do.  At acute ends distances are to be
+   equal, or points there call each other forth. */
+static double pbwfill__split_at(const pbwfill__work *w, const pbwfill__piece *piece, pbw_index reference,
+                                double *near)
 {
     const double *a = pbwfill__at(w, piece->a), *b = pbwfill__at(w, piece->b), *r = pbwfill__at(w, reference);
     const double length = pbwfill__distance(a, b), to_a = pbwfill__distance(a, r), to_b = pbwfill__distance(b, r);
@@ -1182,6 +1184,7 @@ static double pbwfill__split_at(const pbwfill__work *w, const pbwfill__piece *pi
     for (k = 0; k < 2; k++) {
         acute[k] = w->acute.at[piece->ends[k]];
     }
+    *near = acute[0] || acute[1] ? 1e-5 : 0.04;
     if (acute[0] && acute[1]) {
         const uint32_t half = 1u << (PBWFILL__STEPS - 1);
         if (piece->from < half && piece->to > half) {
@@ -1190,11 +1193,11 @@ static double pbwfill__split_at(const pbwfill__work *w, const pbwfill__piece *pi
         acute[piece->from < half ? 1 : 0] = 0;
     }
     if (acute[0] || acute[1]) {
-        const double *c = pbwfill__at(w, piece->ends[acute[0] ? 0 : 1]), *near = acute[0] ? a : b;
-        const double *far = acute[0] ? b : a, t = (pbwfill__distance(c, r) - pbwfill__distance(c, near)) / length;
+        const double *c = pbwfill__at(w, piece->ends[acute[0] ? 0 : 1]), *from = acute[0] ? a : b;
+        const double *far = acute[0] ? b : a, t = (pbwfill__distance(c, r) - pbwfill__distance(c, from)) / length;
         double x[3];
         for (k = 0; k < 3; k++) {
-            x[k] = near[k] + t * (far[k] - near[k]);
+            x[k] = from[k] + t * (far[k] - from[k]);
         }
         return t >= 0.2 && t <= 0.8 && (1 - t) * length >= pbwfill__distance(x, r) ? (acute[0] ? t : 1 - t) : 0.5;
     }
@@ -1260,7 +1263,7 @@ static pbw_status pbwfill__mend_piece(pbwfill__work *w, pbw_index i, pbwfill__in
     pbw_index reference, made;
     const pbwfill__piece piece = w->pieces.at[i];
     const pbw_index vertex = (pbw_index)pbwfill__vertices(w);
-    double want = 0.5;
+    double want = 0.5, near = 0.04;
     uint32_t at;
     if (!pbwfill__find_reference(w, &piece, &reference)) {
         return PBW_OK;
@@ -1272,8 +1275,8 @@ static pbw_status pbwfill__mend_piece(pbwfill__work *w, pbw_index i, pbwfill__in
         }
         made = pbwfill__cut_at_input(w, i, reference);
     } else {
-        want = reference == PBW_NONE ? 0.5 : pbwfill__split_at(w, &piece, reference);
-        at = pbwfill__add_split(w, &piece, want, 0.04);
+        want = reference == PBW_NONE ? 0.5 : pbwfill__split_at(w, &piece, reference, &near);
+        at = pbwfill__add_split(w, &piece, want, near);
         if (at == 0) {
             return pbwfill__refuse(w, PBW_FILL_TOO_FINE, w->edges.at[piece.edge].a, w->edges.at[piece.edge].b);
         }
