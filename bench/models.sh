@@ -12,10 +12,10 @@
 # tetrahedron; it keeps the facets.  Their seconds have reading and writing in them.
 model=
 if [ "$1" = --one ]; then       # models.sh --one PROGRAM MODEL: its rows, at once
-    model=$3
+    model=$(realpath "$3")
     shift
 fi
-pbw=$1
+pbw=$(realpath "$1")
 shift || exit 2
 . bench/common.sh
 
@@ -52,8 +52,8 @@ judge() {   # judge PROGRAM-NAME STATUS
 solid() {   # solid PROGRAM-NAME OPTION...
     as=$1
     shift
-    ( ulimit -t "$limit"; exec "$pbw" solid "$model" "$@" --threads 1 -o "$work/out.mesh" ) > "$work/report" 2>&1
-    judge "$as" $?
+    timed "$pbw" solid "$model" "$@" --threads 1 -o out.mesh
+    judge "$as" "$code"
 }
 
 # Runs a rival and prints its row; MESH: what it writes.
@@ -99,5 +99,5 @@ list_models "$@"
 name=model
 row program seconds tets angle distance verdict
 tr '\n' '\0' < "$work/list" | xargs -0 -n 1 -P "${JOBS:-1}" sh "$0" --one "$pbw" | tee "$work/table"
-awk 'NR > 1 { sub(/:$/, "", $7); $7 = $7 == "not" ? "not ended" : $7; count[$2 ": " $7]++ }
+awk '{ sub(/:$/, "", $7); $7 = $7 == "not" ? "not ended" : $7; count[$2 ": " $7]++ }
      END { for (verdict in count) print verdict, count[verdict] }' "$work/table" | LC_ALL=C sort
