@@ -369,6 +369,8 @@ check "--size" more cube.obj "--size 0.4" "--size 0.2"
 check "--least-size" more both.obj "--size 0.4 --least-size 0.39" "--size 0.4 --least-size 0.05"
 check "--distance" more ball.obj "--size 0.8 --distance 0.5" "--size 0.8 --distance 0.03"
 check "--curvature" more ball.obj "--size 0.8" "--size 0.8 --curvature 0.4"
+check "--around" more ball.obj "--size 0.8" "--size 0.8 --around 16"
+check "--gradation" more cube.obj "--size 0.08+0.5*x" "--size 0.08+0.5*x --gradation 0.05"
 patches() { tets cube.obj --size 0.3 -o p.face "$@" && [ "$(sed 1d p.face | awk '{ print $5 }' | sort -u | wc -l)" = "$n" ]; }
 n=6; check "--patches" patches --patches
 n=1; check "no patches" patches

@@ -1600,9 +1600,12 @@ def solids():
     hull = pbw.Delaunay(cube).convex_hull
     made = pbw.solid(cube, hull, size=0.25)
     check(repr(made).startswith("<pbw.Tets: %d tetrahedra, " % len(made.tets)))
-    for name in "size", "least_size", "curvature":
+    for name in "size", "least_size", "curvature", "around", "gradation":
         raises_text(ValueError, name + " must be from 0 to .*, not -1", pbw.solid, cube, hull, **{name: -1})
     raises_text(ValueError, "target must be from 1 to 60, not 90", pbw.solid, cube, hull, target=90)
+    few, many = [len(pbw.solid(cube, hull, size=lambda p: min(0.08 + 0.5 * p[0], 0.2), gradation=g).tets)
+                 for g in (0, 0.05)]
+    check(many > 1.2 * few, few, many)
     report = made.report
     equal([report[name] for name in ("bad_edges", "bad_points", "missing_edges", "open_edges")], [0] * 4)
     check(report["euler"] == 2 and report["corners"] == 8 and abs(volumes(made).sum() - 1) < 1e-12, report)

@@ -986,7 +986,15 @@ static void test_sizes(void)
     CHECK(mean[0] > 0.06 && mean[0] < 0.13 && mean[1] > 0.2);
     test_say("%zu tetrahedra %.2f..%.2f, edges %.4f and %.4f", mesh.tet_count, r.improve.after.least,
              r.improve.after.largest, mean[0], mean[1]);
+    tets = mesh.tet_count;
     pbw_tets_free(&mesh);
+    how.gradation = 0.05;                            /* sizes grow slowly from where they are small */
+    CHECK_EQUAL(pbw_solid(&in, &how, NULL, &mesh, NULL, &r), PBW_OK);
+    CHECK(mesh.tet_count > tets + tets / 10 && r.settled);
+    test_say("%zu tetrahedra with a gradation of 0.05", mesh.tet_count);
+    pbw_tets_free(&mesh);
+    how.gradation = -1;
+    CHECK_EQUAL(pbw_solid(&in, &how, NULL, &mesh, NULL, &r), PBW_ERROR_ARGUMENT);
     test_end();
 }
 

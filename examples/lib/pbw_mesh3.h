@@ -68,7 +68,7 @@
    their distance, or four thirds if that is below 0.4 sizes, but at least 1/6 of the size, or 1/3 if no sharp edges
    are kept, and at tips 1/12; between shells 1/40, if two million tetrahedra will do; likewise between sharp
    edges that do not meet.  A callback and, with options.curvature, the curvature
-   lower them too.  They grow by 0.35 for each unit of length.
+   lower them too.  They grow by options.gradation for each unit of length.
    Triangles of a shell are oriented alike.  Holes of an open surface are reported, and closed by triangles of least
    area (Barequet and Sharir 1995).  If these have more than 0.34 of the surface's area, it is refused, unless
    options.close is 1.  Where open edges form no loops, inside is where the winding number is above 1/2.  Where shells
@@ -141,7 +141,9 @@ typedef struct pbw_solid_options {         /* NULL or all zero = best defaults *
     double (*size_at)(void *user, const double point[3]);
     void *size_user;
     double curvature;                      /* sizes are at most this divided by the curvature, the root of the sum of
-                                              both principal ones' squares; 0 = whatever it is */
+                                              both principal ones' squares; 0 = whatever it is.  2 pi / N: a
+                                              circle gets N edges */
+    double gradation;                      /* sizes grow by at most this for each unit of length; 0 = 0.35 */
     int nested;                            /* 1: shells inside of others bound regions; 0: every second is a cavity,
                                               unless triangles cross: then they are one body */
     int close;                             /* 1: closes holes however large, and fills thin sheets; 0: refuses them */
@@ -2308,7 +2310,7 @@ static double pbwm3__random(uint64_t i)
        below 0.4 sizes;
      - two thirds of the distance between sharp chains without a common corner;
      - a multiple of the radius of curvature.
-   Holds: no size is below the floor; sizes grow by at most 0.35 for each unit of length.
+   Holds: no size is below the floor; sizes grow by at most the gradation for each unit of length.
    ------------------------------------------------------------------------------------------------------ */
 
 /* Lowers the field at p to a size, but not below the floor. */
@@ -2356,10 +2358,11 @@ static double pbwm3__measure_gap(const pbwm3__work *w, pbw_index triangle, const
     return least;
 }
 
-/* Four sweeps there and back, or until nothing changes: a cell is at most 0.35 cells above its neighbours. */
+/* Four sweeps there and back, or until nothing changes: a cell is above its neighbours by at most the gradation. */
 static void pbwm3__grade(pbwm3__work *w)
 {
     double *field = w->field.at;
+    const double growth = (w->how.gradation > 0 ? w->how.gradation : 0.35) * w->size;
     const size_t total = w->n[0] * w->n[1] * w->n[2];
     size_t i, j;
     int sweep, k, changed = 1;
@@ -2371,7 +2374,7 @@ static void pbwm3__grade(pbwm3__work *w)
                 const size_t x = i % w->n[0] + (size_t)(k % 3), y = i / w->n[0] % w->n[1] + (size_t)(k / 3 % 3);
                 const size_t z = i / w->n[0] / w->n[1] + (size_t)(k / 9);
                 if (x > 0 && x <= w->n[0] && y > 0 && y <= w->n[1] && z > 0 && z <= w->n[2]) {
-                    const double other = field[x - 1 + w->n[0] * (y - 1 + w->n[1] * (z - 1))] + 0.35 * w->size;
+                    const double other = field[x - 1 + w->n[0] * (y - 1 + w->n[1] * (z - 1))] + growth;
                     if (other < field[i]) {
                         field[i] = other;
                         changed = 1;
@@ -4743,7 +4746,7 @@ PBWMESH3DEF pbw_status pbw_solid(const pbw_solid_input *input, const pbw_solid_o
     r.with_boundary = boundary != NULL;
     if (mesh != NULL && input != NULL
         && (input->value != NULL || (input->points != NULL && input->triangles != NULL))
-        && (how == NULL || (how->size >= 0 && how->distance >= 0 && how->least_size >= 0 && how->curvature >= 0
+        && (how == NULL || (how->size >= 0 && how->distance >= 0 && how->least_size >= 0 && how->curvature >= 0 && how->gradation >= 0
                             && how->most >= 0 && (unsigned)how->sharp <= PBW_SOLID_SHARP_NONE))) {
         call.input = input;
         call.how = how;

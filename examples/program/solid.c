@@ -11,6 +11,8 @@ static const option solid_options[] = {
       NULL },
     { "--curvature", "C", "edges of at most C / curvature, the root of its squares' sum; default: any", POSITIVE,
       0, 0, NULL },
+    { "--around", "N", "edges around a circle, at least: as --curvature 2 pi / N", POSITIVE, 0, 0, NULL },
+    { "--gradation", "G", "sizes grow by at most G for each unit of length; default 0.35", POSITIVE, 0, 0, NULL },
     { "--nested", NULL, "shells inside of others bound regions; default: every second one is a cavity,\n"
       "and shells that cross are one body", SWITCH, 0, 0, NULL },
     { "--sharp", "WHICH", "sharp edges to keep: all, some (those that are sharp at the scale of the size), none,\n"
@@ -343,6 +345,11 @@ static pbw_solid_options options_of(job *j)
     memset(&how, 0, sizeof how);
     how.least_size = number_of(j, "--least-size", 0);
     how.curvature = number_of(j, "--curvature", 0);
+    if (is_given(j, "--around")) {
+        const double around = 6.283185307179586 / number_of(j, "--around", 0);
+        how.curvature = how.curvature > 0 ? fmin(how.curvature, around) : around;
+    }
+    how.gradation = number_of(j, "--gradation", 0);
     how.nested = is_given(j, "--nested");
     how.close = is_given(j, "--close");
     how.sharp = is_given(j, "--sharp") ? choice_of(j, "--sharp") : PBW_SOLID_SHARP_AUTO;

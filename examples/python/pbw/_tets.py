@@ -51,7 +51,7 @@ class _SolidInput(ctypes.Structure):
 class _SolidOptions(ctypes.Structure):
     """pbw_solid_options."""
     _fields_ = [("size", _double), ("least_size", _double), *_pointers("size_at size_user"), ("curvature", _double),
-                ("nested", ctypes.c_int), ("close", ctypes.c_int), ("sharp", ctypes.c_int), ("most", _double),
+                ("gradation", _double), ("nested", ctypes.c_int), ("close", ctypes.c_int), ("sharp", ctypes.c_int), ("most", _double),
                 *_pointers("plan plan_user stage"), ("feature_angle", _double), ("distance", _double),
                 ("rounds", ctypes.c_int), ("improve", _ImproveOptions)]
 
@@ -337,13 +337,15 @@ def _longest(size, vertices):
     return max(0, np.where(np.isfinite(sizes), sizes, np.linalg.norm(high - low) / 40).max())
 
 
-def solid(vertices, faces, size=0, target=30, feature_angle=40, rounds=16, patches=None, nested=False,
-          least_size=0, curvature=0, sharp="auto", close=False, most=50e6):
+def solid(vertices, faces, size=0, target=30, feature_angle=40, rounds=0, patches=None, nested=False,
+          least_size=0, curvature=0, sharp="auto", close=False, most=50e6, around=0, gradation=0):
     """Tetrahedra inside a closed surface: vertices (n, 3), faces (m, 3), one or several shells.
 
     size: length of edges, 0 = 1/40 of the diagonal, or a function of a point (x, y, z).  Of that the largest value at
     the vertices and at 729 places in their box is the longest edge; infinite ones count as 1/40 of the diagonal.
-    They are shorter in thin walls, and with curvature=c at most c radii of curvature, but not below least_size.
+    They are shorter in thin walls, and with curvature=c at most c radii of curvature, but not below least_size;
+    around=n, edges around a circle, is curvature=2 pi / n.  They grow by at most gradation, 0 = 0.35, for each unit of
+    length.  rounds of adding points, at most; 0 = 16, or 24 where tips need them.
     Edges of the surface that bend by more than feature_angle degrees are kept, and those between faces of different
     patches, a whole number or a name a face.  sharp: which of the edges that bend are kept, "all", "some", "none" or
     "auto".
@@ -362,7 +364,8 @@ def solid(vertices, faces, size=0, target=30, feature_angle=40, rounds=16, patch
     if patches is not None:
         table, patches = _labels("patches", patches, len(faces))
         given.patches = patches.ctypes.data
-    for name, value in (("size", size), ("least_size", least_size), ("curvature", curvature)):
+    for name, value in (("size", size), ("least_size", least_size), ("curvature", curvature), ("around", around),
+                        ("gradation", gradation)):
         if not callable(value):
             _check_number(name, value, 0, np.finfo(float).max)
     if target > 0:
@@ -371,7 +374,9 @@ def solid(vertices, faces, size=0, target=30, feature_angle=40, rounds=16, patch
         raise ValueError("sharp must be one of " + ", ".join(_SHARP))
     _check_number("most", most, 1, np.finfo(float).max)
     longest = _longest(size, vertices) if callable(size) else size
-    how = _SolidOptions(longest, least_size, None, None, curvature, nested, close,
+    if around > 0:
+        curvature = min(curvature or np.inf, 2 * np.pi / around)
+    how = _SolidOptions(longest, least_size, None, None, curvature, gradation, nested, close,
                         _SHARP.index(sharp), most, None, None, None, feature_angle, 0, rounds,
                         _ImproveOptions(target))
     thrown = []
