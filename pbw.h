@@ -894,6 +894,12 @@ PBW__INLINE uint64_t pbw__hash_doubles(uint64_t hash, const double *x, int count
     return hash;
 }
 
+/* Returns the first entry for a key in a hash table; size: a power of two. */
+PBW__INLINE size_t pbw__hash_entry(uint64_t key, size_t size)
+{
+    return (size_t)(key * UINT64_C(0x9e3779b97f4a7c15) >> 32) & (size - 1);
+}
+
 /* What we call of Windows.  windows.h would leave its macros behind, so we declare it as that does, which may still
    follow.  Where it came first it has declared all, but not for a target before Windows 7. */
 #ifdef _WIN32
@@ -1204,8 +1210,6 @@ PBW__OPERATION(pbw__d4, pbw__det2, (pbw__d4 a, pbw__d4 b, pbw__d4 c, pbw__d4 d),
     _mm256_fmsub_pd(a, d, b * c), pbw__fnma(b, c, a * d))
 PBW__OPERATION(pbw__d4, pbw__max4, (pbw__d4 a, pbw__d4 b), _mm256_max_pd(a, b), PBW__HALVES2(vmaxq_f64, a, b))
 PBW__OPERATION(pbw__d4, pbw__min4, (pbw__d4 a, pbw__d4 b), _mm256_min_pd(a, b), PBW__HALVES2(vminq_f64, a, b))
-PBW__OPERATION(pbw__d4, pbw__sqrt4, (pbw__d4 x),
-    _mm256_sqrt_pd(x), pbw__join(vsqrtq_f64(pbw__half(x, 0)), vsqrtq_f64(pbw__half(x, 1))))
 PBW__OPERATION(pbw__d4, pbw__abs4, (pbw__d4 x),
     _mm256_andnot_pd(_mm256_set1_pd(-0.0), x), pbw__join(vabsq_f64(pbw__half(x, 0)), vabsq_f64(pbw__half(x, 1))))
 
@@ -1257,30 +1261,6 @@ PBW__SIMD_INLINE pbw__d4 pbw__reorder(pbw__d4 x, pbw__order4 order)
 PBW__OPERATION(pbw__d4, pbw__load4d, (const double *from),
     _mm256_loadu_pd(from), pbw__join(vld1q_f64(from), vld1q_f64(from + 2)))
 
-/* Row i of the four rows in `to` gets lane i of a, b, c and d, rounded to single precision. */
-PBW__SIMD_INLINE void pbw__store_rows(float *to, pbw__d4 a, pbw__d4 b, pbw__d4 c, pbw__d4 d)
-{
-#ifdef PBW__AVX2
-    __m128 row[4];
-    int i;
-    row[0] = _mm256_cvtpd_ps(a);
-    row[1] = _mm256_cvtpd_ps(b);
-    row[2] = _mm256_cvtpd_ps(c);
-    row[3] = _mm256_cvtpd_ps(d);
-    _MM_TRANSPOSE4_PS(row[0], row[1], row[2], row[3]);
-    for (i = 0; i < 4; i++) {
-        _mm_storeu_ps(to + 4 * i, row[i]);
-    }
-#else
-    float32x4x4_t columns;
-    columns.val[0] = vcvt_high_f32_f64(vcvt_f32_f64(pbw__half(a, 0)), pbw__half(a, 1));
-    columns.val[1] = vcvt_high_f32_f64(vcvt_f32_f64(pbw__half(b, 0)), pbw__half(b, 1));
-    columns.val[2] = vcvt_high_f32_f64(vcvt_f32_f64(pbw__half(c, 0)), pbw__half(c, 1));
-    columns.val[3] = vcvt_high_f32_f64(vcvt_f32_f64(pbw__half(d, 0)), pbw__half(d, 1));
-    vst4q_f32(to, columns);
-#endif
-}
-
 PBW__OPERATION(pbw__d4, pbw__drop_last, (pbw__d4 x),     /* zero in lane 3 */
     _mm256_blend_pd(x, _mm256_setzero_pd(), 8), pbw__join(pbw__half(x, 0), vsetq_lane_f64(0.0, pbw__half(x, 1), 1)))
 
@@ -1294,12 +1274,6 @@ PBW__OPERATION(pbw__d4, pbw__equal, (pbw__d4 a, pbw__d4 b),
 PBW__OPERATION(pbw__d4, pbw__mask, (const int64_t *from),
     _mm256_castsi256_pd(_mm256_loadu_si256((const __m256i *)(const void *)from)),
     pbw__join((pbw__d2)vld1q_s64(from), (pbw__d2)vld1q_s64(from + 2)))
-
-PBW__SIMD_INLINE pbw__d4 pbw__lanes_mask(unsigned set)        /* of a set of lanes */
-{
-    const pbw__l4 bit = { 1, 2, 4, 8 };
-    return (pbw__d4)((bit & (int64_t)set) == bit);
-}
 
 PBW__OPERATION(pbw__d4, pbw__blend, (pbw__d4 x, pbw__d4 y, pbw__d4 mask),     /* y in the lanes of the mask */
     _mm256_blendv_pd(x, y, mask), PBW__HALVES3(PBW__BLEND2, x, y, mask))
@@ -1321,11 +1295,6 @@ PBW__SIMD_INLINE unsigned pbw__signs(pbw__d4 x)      /* the set of negative lane
     const uint32x4_t high = vuzp2q_u32((uint32x4_t)pbw__half(x, 0), (uint32x4_t)pbw__half(x, 1));
     return vaddvq_u32(vshlq_u32(vshrq_n_u32(high, 31), place));
 #endif
-}
-
-PBW__SIMD_INLINE unsigned pbw__lane_of(unsigned set)         /* the first lane of a set */
-{
-    return (unsigned)__builtin_ctz(set | 8);
 }
 
 /* Return the number of lanes in a set; the set of the first `count` lanes, of all four if count is larger. */
@@ -5667,7 +5636,7 @@ static PBW__NOINLINE pbw_status pbw__sew3_wide(pbw__kernel *kernel)
             pbw_index a = v[k == 1 ? 3 : k - 1], b = v[k == 3 ? 1 : k + 1];
             pbw_index low = a < b ? a : b, high = a < b ? b : a;
             pbw__link here = (pbw__link)kernel->scratch.cavity[i] * 4 + k;
-            size_t at = (size_t)((((uint64_t)low << 32 | high) * 0x9e3779b97f4a7c15u) >> 32) & (size - 1);
+            size_t at = pbw__hash_entry((uint64_t)low << 32 | high, size);
             pbw__edge *edge = kernel->scratch.wide + at;
             while (edge->low != edge->high && (edge->low != low || edge->high != high)) {
                 at = (at + 1) & (size - 1);
@@ -6933,24 +6902,11 @@ static pbw_status pbw__level_extremes(pbw__build *build)
     return status;
 }
 
-static void pbw__build_free(pbw__build *build)
-{
-    pbw_memory *memory = &build->context->memory;
-    size_t zones = build->store->region_count;
-    int i;
-    for (i = 0; i < build->kernel_count; i++) {
-        pbw__kernel_free(build->kernel[i]);
-        pbw__release(memory, build->kernel[i], 1, sizeof(pbw__kernel));
-    }
-    PBW__RELEASE(memory, build, left);
-    pbw__release(memory, build->owner, zones, 1);
-    pbw__release(memory, build->early, build->vertices->count / 8 + 1, 1);
-}
-
 /* Returns PBW_OK, PBW_DEGENERATE or an error; the caller frees the store in every case. */
 static pbw_status pbw__build_all(pbw__context *context, pbw__store *store, const pbw__vertices *vertices,
                                  const pbw__grid *grid, pbw_statistics *statistics)
 {
+    pbw_memory *memory = &context->memory;
     pbw__build build;
     size_t ratio, stride, before, created = 0;       /* simplices made before a level, and after it */
     pbw_status status;
@@ -6991,12 +6947,14 @@ static pbw_status pbw__build_all(pbw__context *context, pbw__store *store, const
         statistics->conflict_tests += build.kernel[i]->statistics.conflict_tests;
         statistics->exact_tests += build.kernel[i]->statistics.exact_tests;
         statistics->created += build.kernel[i]->statistics.created;
+        pbw__kernel_free(build.kernel[i]);
+        pbw__release(memory, build.kernel[i], 1, sizeof(pbw__kernel));
     }
-    if (status == PBW_OK) {
-        status = pbw__for_range(context, store->region_count, 256, 0.0, pbw__close_regions, store);
-    }
-    pbw__build_free(&build);
-    return status;
+    PBW__RELEASE(memory, &build, left);
+    pbw__release(memory, build.owner, store->region_count, 1);
+    pbw__release(memory, build.early, vertices->count / 8 + 1, 1);
+    return status != PBW_OK ? status
+         : pbw__for_range(context, store->region_count, 256, 0.0, pbw__close_regions, store);
 }
 /* ------------------------------------------------------------------------------------------------------
    >>parallel     Ownership, and one level of vertices by many threads at once.
@@ -8432,21 +8390,10 @@ static int pbw__emit_begin(pbw__emission *emission)
     return !emission->failed;
 }
 
-/* Numbers the ghosts, behind the simplices. */
-static void pbw__number_ghosts(pbw__emission *emission)
-{
-    size_t t;
-    for (t = 0; t < emission->slot_count; t++) {
-        if (emission->number[t] == PBW_NONE && emission->corner[4 * t] != PBW_NONE) {
-            emission->number[t] = (pbw_index)emission->simplex_count++;
-        }
-    }
-}
-
 static pbw_status pbw__emit(pbw__emission *emission)
 {
     pbw__context *context = emission->context;
-    size_t sum = 0;
+    size_t sum = 0, t;
     int tasks = emission->tasks, task;
     pbw__for(context, tasks, pbw__emit_pass1, emission);
     if (tasks > 1) {
@@ -8461,8 +8408,10 @@ static pbw_status pbw__emit(pbw__emission *emission)
         return pbw__emit_status(emission);
     }
     pbw__for(context, tasks, pbw__emit_pass2, emission);
-    if (emission->packed) {
-        pbw__number_ghosts(emission);
+    for (t = 0; t < emission->slot_count && emission->packed; t++) {
+        if (emission->number[t] == PBW_NONE && emission->corner[4 * t] != PBW_NONE) {
+            emission->number[t] = (pbw_index)emission->simplex_count++;          /* a ghost */
+        }
     }
     if (pbw__emit_status(emission) != PBW_OK || !pbw__emit_begin(emission)) {
         return pbw__emit_status(emission);
@@ -9853,7 +9802,7 @@ PBWDEF pbw_status pbw_order(int dim, const double *points, size_t count, const p
 
      pbw__abs                   query live  platform
      PBW__ADD                   live        platform
-     PBW__AVX2                  query       platform
+     PBW__AVX2                  query live  platform
      PBW__BY_DIM                query live  platform
      PBW__CAS                   live        platform
      pbw__fp                    live        platform
@@ -9861,6 +9810,7 @@ PBWDEF pbw_status pbw_order(int dim, const double *points, size_t count, const p
      pbw__fp_is_exact           live        platform
      pbw__fp_leave              live        platform
      pbw__hash_doubles          live        platform
+     pbw__hash_entry            query live  platform
      PBW__INLINE                query live  platform
      PBW__LIKELY                query live  platform
      PBW__LOAD                  query live  platform
@@ -9889,17 +9839,16 @@ PBWDEF pbw_status pbw_order(int dim, const double *points, size_t count, const p
      pbw__fnma                  live        lanes
      pbw__four                  live        lanes
      pbw__greater               live        lanes
-     pbw__lane_of               live        lanes
-     pbw__lanes_mask            live        lanes
+     pbw__half                  live        lanes
+     pbw__join                  live        lanes
      pbw__load4d                query live  lanes
      pbw__max4                  query live  lanes
      pbw__min_lane              live        lanes
+     PBW__OPERATION             live        lanes
      pbw__signs                 query live  lanes
      PBW__SIMD_INLINE           query live  lanes
      pbw__simd_works            query live  lanes
      pbw__splat                 query live  lanes
-     pbw__sqrt4                 live        lanes
-     pbw__store_rows            live        lanes
      pbw__advise                live        memory
      pbw__allocate              query live  memory
      pbw__allocate_large        query live  memory

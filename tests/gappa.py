@@ -328,7 +328,7 @@ ENV = {'DBL_EPSILON': 2.0 ** -52, 'pbw__splat': same, 'pbw__max_lane': same, 'pb
        'pbw__times4': pair_times, 'pbw__first': same, 'pbw__load4d': same, 'HUGE_VAL': 0}
 for name in 'max', 'abs', 'max_abs', 'max4', 'abs4':
     ENV['pbw__' + name] = same
-ENV['pbw__sqrt4'] = lambda x: Value(x.k + U, 1)          # of a value of scale 1; its root errs by less
+ENV['pbwl__sqrt4'] = lambda x: Value(x.k + U, 1)          # of a value of scale 1; its root errs by less
 ENV['PBW__CORNER_A'] = ENV['PBW__CORNER_B'] = ENV['PBW__CORNER_C'] = same
 for name in re.findall(r'#define (PBWL?__\w+_ERROR)', TEXT) + ['PBW__EPSILON']:
     ENV[name] = constant(name)

@@ -777,6 +777,14 @@ PBW__INLINE pbw_index pbwl__facet_apex(const pbwl__core *core, const pbw_index *
    plane, where two edges have one time.  Tie-breaking changes a time by less than the gap between any two intervals.
    ------------------------------------------------------------------------------------------------------ */
 #ifdef PBW__SIMD
+PBW__OPERATION(pbw__d4, pbwl__sqrt4, (pbw__d4 x),
+    _mm256_sqrt_pd(x), pbw__join(vsqrtq_f64(pbw__half(x, 0)), vsqrtq_f64(pbw__half(x, 1))))
+
+PBW__SIMD_INLINE unsigned pbwl__lane_of(unsigned set)         /* the first lane of a set */
+{
+    return (unsigned)__builtin_ctz(set | 8);
+}
+
 /* The intervals of the times of four edges; both ends are infinite for an edge without a time. */
 typedef struct pbwl__spans4 { pbw__d4 low, high; } pbwl__spans4;
 
@@ -790,7 +798,7 @@ PBW__SIMD_INLINE pbwl__spans4 pbwl__ear_spans(const pbw__d4 *a, const pbw__d4 *b
     const pbw__d4 abd = pbw__fma(d[2], ab, pbw__fnma(b[2], ad, a[2] * bd));
     const pbw__d4 acd = pbw__fma(d[2], ac, pbw__fnma(c[2], ad, a[2] * cd));
     const pbw__d4 bcd = pbw__fma(d[2], bc, pbw__fnma(c[2], bd, b[2] * cd));
-    const pbw__d4 h = pbw__max4(pbw__max4(a[3], b[3]), pbw__max4(c[3], d[3])) + spare, h3 = h * pbw__sqrt4(h);
+    const pbw__d4 h = pbw__max4(pbw__max4(a[3], b[3]), pbw__max4(c[3], d[3])) + spare, h3 = h * pbwl__sqrt4(h);
     const pbw__d4 side = (abc - abd) + (acd - bcd), side_error = h3 * pbw__splat(PBW__EAR_ERROR);
     const pbw__d4 power = pbw__fnma(c[3], abd, d[3] * abc) + pbw__fnma(a[3], bcd, b[3] * acd);
     const pbw__d4 power_error = h3 * h * pbw__splat(PBW__SPHERE_ERROR), inverse = pbw__splat(1.0) / side;
@@ -945,7 +953,7 @@ PBW__SIMD_INLINE pbwl__spans4 pbwl__ear_cut(pbwl__core *core, unsigned p, double
     pbwl__ear_columns(at_c, at_c, at_c, at_c, x[2]);
     pbwl__ear_columns(pbwl__ear_row(ears, bc), pbwl__ear_row(ears, cd), pbwl__ear_row(ears, db), at_b, x[3]);
     spans = pbwl__ear_spans(x[0], x[1], x[2], x[3], pbw__splat(ears->spare));
-    spans.low = pbw__blend(spans.low, pbw__splat(HUGE_VAL), pbw__lanes_mask(8));
+    spans.low[3] = HUGE_VAL;                         /* only three are new */
     f = pbwl__ear_make(core, d, p, b, c);
     pbwl__ear_glue(core, p, f, 0);
     pbwl__ear_glue(core, second_p, f, 2);
@@ -983,9 +991,9 @@ PBW__SIMD_INLINE unsigned pbwl__ear_least(const pbwl__ears *ears, pbw__d4 update
     }
     memcpy(at, &number, sizeof(at));
     most = pbw__min_lane(least);
-    e = pbw__lane_of(pbw__signs(pbw__equal(least, most)));
+    e = pbwl__lane_of(pbw__signs(pbw__equal(least, most)));
     e += (unsigned)at[e];
-    e = new_least < pbw__first(most) ? PBWL__NEW_EARS + pbw__lane_of(set) : e;
+    e = new_least < pbw__first(most) ? PBWL__NEW_EARS + pbwl__lane_of(set) : e;
     most = pbw__splat(ears->high[e]);
     *overlap = pbw__count4(pbw__signs(pbw__at_least(most, updated)));
     for (i = 0; i < ears->edges; i += 4) {
@@ -1181,7 +1189,7 @@ PBW__INLINE uint64_t pbwl__facet_key(const pbw_index *v, unsigned dim)
 /* Returns the entry of the table that has, or would have, a facet with this key. */
 PBW__INLINE size_t pbwl__facet_find(const pbwl__core *core, uint64_t key, size_t room)
 {
-    size_t at = (size_t)(key * 0x9e3779b97f4a7c15u >> 32) & (room - 1);
+    size_t at = pbw__hash_entry(key, room);
     while (core->table[at] != 0 && core->hole_facet[core->table[at] - 1].key != key) {
         at = (at + 1) & (room - 1);
     }
@@ -2018,6 +2026,30 @@ PBW__SIMD_INLINE pbw__d4 pbwl__depths4(const double *record, pbw_index v[4][4], 
     }
 }
 
+/* Row i of the four rows in `to` gets lane i of a, b, c and d, rounded to single precision. */
+PBW__SIMD_INLINE void pbwl__store_rows(float *to, pbw__d4 a, pbw__d4 b, pbw__d4 c, pbw__d4 d)
+{
+#ifdef PBW__AVX2
+    __m128 row[4];
+    int i;
+    row[0] = _mm256_cvtpd_ps(a);
+    row[1] = _mm256_cvtpd_ps(b);
+    row[2] = _mm256_cvtpd_ps(c);
+    row[3] = _mm256_cvtpd_ps(d);
+    _MM_TRANSPOSE4_PS(row[0], row[1], row[2], row[3]);
+    for (i = 0; i < 4; i++) {
+        _mm_storeu_ps(to + 4 * i, row[i]);
+    }
+#else
+    float32x4x4_t columns;
+    columns.val[0] = vcvt_high_f32_f64(vcvt_f32_f64(pbw__half(a, 0)), pbw__half(a, 1));
+    columns.val[1] = vcvt_high_f32_f64(vcvt_f32_f64(pbw__half(b, 0)), pbw__half(b, 1));
+    columns.val[2] = vcvt_high_f32_f64(vcvt_f32_f64(pbw__half(c, 0)), pbw__half(c, 1));
+    columns.val[3] = vcvt_high_f32_f64(vcvt_f32_f64(pbw__half(d, 0)), pbw__half(d, 1));
+    vst4q_f32(to, columns);
+#endif
+}
+
 /* Stores the depths of the simplices in four slots: NaN unless the simplex is certainly positive.  Free slots read
    the record of the ghost, too. */
 PBW__SIMD_INLINE void pbwl__depths_of(const pbwl__verifying *verifying, const pbw_index *slot, float *depths, int dim)
@@ -2047,7 +2079,7 @@ PBW__SIMD_INLINE void pbwl__depths_of(const pbwl__verifying *verifying, const pb
         const pbw__d4 depth = (H[k] - power) * scale;
         H[k] = depth - pbw__fma(pbw__abs4(depth), pbw__splat(PBWL__DEPTH_ERROR), pbw__splat(PBWL__DEPTH_LOST));
     }
-    pbw__store_rows(depths, H[0], H[1], H[2], H[3]);
+    pbwl__store_rows(depths, H[0], H[1], H[2], H[3]);
 }
 
 /* pbwl__depths_of for a list of slots; count is a multiple of four. */

@@ -445,7 +445,7 @@ static int pbwq__room(pbwq__scratch *scratch, void *array, size_t *capacity, siz
 
 PBW__INLINE size_t pbwq__set_place(const pbwq__set *set, uint64_t key)
 {
-    size_t at = (size_t)((key * 0x9e3779b97f4a7c15u) >> 32) & (set->room - 1);
+    size_t at = pbw__hash_entry(key, set->room);
     while (set->entry[at].stamp == set->stamp && set->entry[at].key != key) {
         at = (at + 1) & (set->room - 1);
     }
