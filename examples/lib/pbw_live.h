@@ -44,8 +44,10 @@
      >>apex       the vertex behind a facet of a hole
      >>ears       the hole of a vertex in space, cut off ear by ear
      >>removal    removes or inserts one vertex
+     >>creation   from points to a core
      >>verify     after vertices moved: tests whether the triangulation holds; flips
      >>live       points to insert, remove and move: the queue
+     >>report     what a commit changed
      >>hints      where walks start, and what batches prefetch
      >>tasks      a batch of changes by many threads
      >>change     a batch of queued changes, vertex by vertex
@@ -1590,7 +1592,11 @@ static void pbwl__swap_hidden(pbwl__core *core)
     core->next_hidden_count = 0;
 }
 
-/* ---- from points to a core */
+/* ------------------------------------------------------------------------------------------------------
+   >>creation     From points to a core.
+   In: points and their numbers.  Out: a core that triangulates them, in space with its slots along the curve.
+   Holds: the invariants of >>core; the journal is empty.
+   ------------------------------------------------------------------------------------------------------ */
 /* The points with the numbers in `list`, contiguous and in that order. */
 typedef struct pbwl__gathered {
     double *points, *weights;
@@ -2699,7 +2705,12 @@ PBWDEF pbw_status pbw_live_move(pbw_live *live, const pbw_index *ids, const doub
     return PBW_OK;
 }
 
-/* ---- what a commit changed */
+/* ------------------------------------------------------------------------------------------------------
+   >>report       What a commit changed.
+   In: the journals of a batch, or the cores before and after a rebuild.  Out: the simplices that were deleted and
+   those that were made, sorted, and the points that have another star.
+   Holds: no simplex is in both lists.
+   ------------------------------------------------------------------------------------------------------ */
 PBW__INLINE int pbwl__tuple_order(const pbw_index *a, const pbw_index *b, size_t corners)
 {
     size_t i;
