@@ -437,9 +437,7 @@ struct pbwq__queries {
 /* Makes room for `needed` items.  If memory is short, sets scratch->failed and returns 0. */
 static int pbwq__room(pbwq__scratch *scratch, void *array, size_t *capacity, size_t needed, size_t size)
 {
-    const size_t bigger = 2 * *capacity > 64 ? 2 * *capacity : 64;
-    scratch->failed |= needed > *capacity
-                 && !pbw_memory_fit(scratch->memory, array, capacity, bigger > needed ? bigger : needed, size);
+    scratch->failed |= needed > *capacity && !pbw_memory_grow(scratch->memory, array, capacity, needed, 0, size);
     return needed <= *capacity;
 }
 
@@ -958,8 +956,8 @@ static pbw_status pbwq__bins_refine(const pbwq__binning *binning, pbwq__bins gri
     if (full == 0 || grid.count == 1 || grid.depth == PBWQ__DEEPEST) {
         return PBW_OK;
     }
-    if (finder->grid_count + full > finder->grids_capacity
-        && !PBW__RESIZE(memory, finder, grids, 2 * (finder->grid_count + full))) {
+    if (!pbw_memory_grow(memory, &finder->grids, &finder->grids_capacity, finder->grid_count, full,
+                         sizeof(pbwq__bins))) {
         return PBW_ERROR_MEMORY;
     }
     for (at = 0; at < grid.count; at++) {
@@ -1003,8 +1001,8 @@ static pbw_status pbwq__bins_make(const pbwq__binning *binning)
         pbwq__bins_measure(binning, grid);
         grid->first = finder->bin_count;
         finder->bin_count += grid->count;
-        if (finder->bin_count > finder->bins_capacity
-            && !PBW__RESIZE(memory, finder, bins, finder->bin_count + finder->bin_count / 2)) {
+        if (!pbw_memory_grow(memory, &finder->bins, &finder->bins_capacity, finder->bin_count, 0,
+                             sizeof(*finder->bins))) {
             return PBW_ERROR_MEMORY;
         }
         pbwq__bins_fill(binning, grid);
