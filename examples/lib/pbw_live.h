@@ -174,7 +174,7 @@ PBW__SEAM_BEGIN
 
 typedef struct pbwl__saved { pbw_index slot, corner[4]; pbw__link link[4]; } pbwl__saved;    /* before its deletion */
 
-/* A facet of the hole, open or closed.  v: its vertices, as places in link_vertex; (apex, v[0], v[1], v[2]) is
+/* A facet of the hole, open or closed.  v: its vertices, as indices in link_vertex; (apex, v[0], v[1], v[2]) is
    positive for an apex in the hole.  across: the facet of a simplex outside of the hole, or, if is_new, 4 * its index
    in new_simplex + corner. */
 typedef struct pbwl__hole_facet {
@@ -186,8 +186,8 @@ typedef struct pbwl__hole_facet {
 
 typedef struct pbwl__new_simplex { pbw_index v[4]; pbw__link link[4]; unsigned char is_new[4]; } pbwl__new_simplex;
 
-/* The facets of the hole of v, see >>ears.  Place 4 i + k is corner k of the i-th simplex of the star; the place of v
-   itself is not used.  Each edge is opposite to two places.  A hole with n vertices has 2 n - 4 facets and 3 n - 6
+/* The facets of the hole of v, see >>ears.  Corner 4 i + k is corner k of the i-th simplex of the star; that of v
+   itself is not used.  Each edge is opposite to two corners.  A hole with n vertices has 2 n - 4 facets and 3 n - 6
    edges. */
 #define PBWL__MOST_EARS 60
 #define PBWL__NEW_EARS 92                            /* 90 edges at most; 91: no edge; 92: the first new time */
@@ -199,11 +199,11 @@ typedef struct pbwl__ears {
     double spare;                                    /* the largest height - lift */
     pbw__link across[PBWL__MOST_EARS];               /* per facet, as in pbwl__hole_facet */
     unsigned char is_new[PBWL__MOST_EARS];
-    unsigned char vertex[4 * PBWL__MOST_EARS];       /* per place: its vertex; the next corner of the facet; the */
-    unsigned char next[4 * PBWL__MOST_EARS];         /* place across the edge opposite to it; this edge */
+    unsigned char vertex[4 * PBWL__MOST_EARS];       /* per corner: its vertex; the next one of the facet; that */
+    unsigned char next[4 * PBWL__MOST_EARS];         /* across the edge opposite to it; this edge */
     unsigned char opposite[4 * PBWL__MOST_EARS], edge[4 * PBWL__MOST_EARS];
-    unsigned char seed[PBWL__MOST_EARS + 1];         /* per facet: the place from which it was met */
-    unsigned char place[PBWL__NEW_EARS + 4];         /* per edge, and per new time: a place opposite to it */
+    unsigned char seed[PBWL__MOST_EARS + 1];         /* per facet: the corner from which it was met */
+    unsigned char corner[PBWL__NEW_EARS + 4];        /* per edge, and per new time: a corner opposite to it */
     unsigned char updated[4];                        /* per new time: the edge */
     unsigned char degree[PBWL__MOST_EARS / 2 + 3];   /* per vertex: its facets */
     unsigned facets, edges;
@@ -245,8 +245,9 @@ typedef struct pbwl__core {
     /* the journal */
     pbwl__saved *saved;
     pbw_index *used_slot;                            /* slots that were free */
-    pbw__link *edge, *open;                          /* edges to test, see >>verify; still to test, see >>moves */
-    size_t saved_capacity, used_slot_capacity, edge_capacity, open_capacity, saved_count, used_slot_count, open_count;
+    pbw__link *edge, *untested;                      /* edges to test, see >>verify; still to test, see >>moves */
+    size_t saved_capacity, used_slot_capacity, edge_capacity, untested_capacity;
+    size_t saved_count, used_slot_count, untested_count;
     int inserting;                                   /* a weighted point, which may hide others */
 } pbwl__core;
 
@@ -263,7 +264,7 @@ static void pbwl__core_free_own(pbw__context *context, pbwl__core *core)
     PBW__RELEASE(memory, core, saved);
     PBW__RELEASE(memory, core, used_slot);
     PBW__RELEASE(memory, core, edge);
-    PBW__RELEASE(memory, core, open);
+    PBW__RELEASE(memory, core, untested);
 }
 
 static void pbwl__core_free(pbw__context *context, pbwl__core *core)
@@ -374,7 +375,7 @@ static int pbwl__journal_reserve(pbwl__core *core)
     return 1;
 }
 
-/* Returns the place of a vertex in link_vertex, where the ghost is the first; adds it if it is not there. */
+/* Returns the index of a vertex in link_vertex, where the ghost is the first; adds it if it is not there. */
 static pbw_index pbwl__link_index(pbwl__core *core, pbw_index v)
 {
     const pbw_index at = core->link_index[v];
@@ -600,7 +601,7 @@ static void pbwl__journal_undo(pbwl__core *core)
    simplex behind it, or none: see >>removal.
    Holds: every verdict is exact.
 
-   Errors: see >>predicates, which also decides what a bound leaves open.  A side, which is an orientation, and a
+   Errors: see >>predicates, which also decides what a bound does not.  A side, which is an orientation, and a
    conflict are compared as squares with the square of the bound; h, the largest height of the rows, is raised to
    1e-55.  The determinant of a conflict is that of >>cavity3 or >>cavity2 with the last corner as the origin: a
    product has 6 roundings for the lift, 4 for its minor, 3 for their product and sums, 2 for the coordinate that
@@ -697,7 +698,7 @@ PBW__INLINE double pbwl__conflict_limit(double h, int dim)
                                        : h * (PBW__SPHERE_ERROR * PBW__SPHERE_ERROR));
 }
 
-/* Returns whether e is strictly on the open side of the facet v of the hole; side: its product with the
+/* Returns whether e is strictly on the hole's side of the facet v of the hole; side: its product with the
    normal of the facet. */
 PBW__INLINE int pbwl__facet_sees(const pbwl__core *core, const pbw_index *v, pbw_index e, double side, double height,
                                  int dim)
@@ -731,7 +732,7 @@ PBW__INLINE int pbwl__plane_conflict(const pbwl__core *core, const pbwl__plane *
     return pbw__conflict(dim, x, p, &core->grid);
 }
 
-/* Returns the apex behind a facet of the hole, by a tournament; 0, the ghost's place, if there is none. */
+/* Returns the apex behind a facet of the hole, by a tournament; 0, the ghost's index, if there is none. */
 PBW__INLINE pbw_index pbwl__facet_apex(const pbwl__core *core, const pbw_index *hole_facet, int dim)
 {
     const pbw_index *u = core->link_vertex;
@@ -814,9 +815,9 @@ PBW__SIMD_INLINE pbwl__spans4 pbwl__ear_spans(const pbw__d4 *a, const pbw__d4 *b
     return spans;
 }
 
-PBW__INLINE const double *pbwl__ear_row(const pbwl__ears *ears, unsigned place)
+PBW__INLINE const double *pbwl__ear_row(const pbwl__ears *ears, unsigned corner)
 {
-    return ears->row[ears->vertex[place]];
+    return ears->row[ears->vertex[corner]];
 }
 
 PBW__SIMD_INLINE void pbwl__ear_columns(const double *a, const double *b, const double *c, const double *d,
@@ -829,7 +830,7 @@ PBW__SIMD_INLINE void pbwl__ear_columns(const double *a, const double *b, const 
 /* Computes the times of edges e to e + 3. */
 PBW__SIMD_INLINE void pbwl__ear_times(pbwl__ears *ears, unsigned e)
 {
-    const unsigned a0 = ears->place[e], a1 = ears->place[e + 1], a2 = ears->place[e + 2], a3 = ears->place[e + 3];
+    const unsigned a0 = ears->corner[e], a1 = ears->corner[e + 1], a2 = ears->corner[e + 2], a3 = ears->corner[e + 3];
     const unsigned b0 = ears->next[a0], b1 = ears->next[a1], b2 = ears->next[a2], b3 = ears->next[a3];
     const unsigned c0 = ears->next[b0], c1 = ears->next[b1], c2 = ears->next[b2], c3 = ears->next[b3];
     const unsigned d0 = ears->opposite[a0], d1 = ears->opposite[a1], d2 = ears->opposite[a2], d3 = ears->opposite[a3];
@@ -848,11 +849,11 @@ PBW__SIMD_INLINE void pbwl__ear_times(pbwl__ears *ears, unsigned e)
     memcpy(ears->high + e, &spans.high, sizeof(spans.high));
 }
 
-/* Joins facet k of new simplex f to the facet of a place, across which it lies. */
-PBW__INLINE void pbwl__ear_glue(pbwl__core *core, unsigned place, unsigned f, unsigned k)
+/* Joins facet k of new simplex f to the facet of a corner, across which it lies. */
+PBW__INLINE void pbwl__ear_glue(pbwl__core *core, unsigned corner, unsigned f, unsigned k)
 {
-    const pbw__link across = core->ears.across[place >> 2];
-    const unsigned made = core->ears.is_new[place >> 2];
+    const pbw__link across = core->ears.across[corner >> 2];
+    const unsigned made = core->ears.is_new[corner >> 2];
     pbwl__new_simplex *other = core->new_simplex + (made ? across >> 2 : PBWL__MOST_NEW);   /* it, or a dummy */
     core->new_simplex[f].link[k] = across;
     core->new_simplex[f].is_new[k] = (unsigned char)made;
@@ -860,31 +861,31 @@ PBW__INLINE void pbwl__ear_glue(pbwl__core *core, unsigned place, unsigned f, un
     other->is_new[across & 3] = 1;
 }
 
-/* Makes facet k of new simplex f the facet of a place. */
-PBW__INLINE void pbwl__ear_open(pbwl__ears *ears, unsigned place, unsigned f, unsigned k)
+/* Makes facet k of new simplex f the facet of a corner. */
+PBW__INLINE void pbwl__ear_open(pbwl__ears *ears, unsigned corner, unsigned f, unsigned k)
 {
-    ears->across[place >> 2] = 4 * f + k;
-    ears->is_new[place >> 2] = 1;
+    ears->across[corner >> 2] = 4 * f + k;
+    ears->is_new[corner >> 2] = 1;
 }
 
-/* Makes e the edge opposite to place p, with place q on its other side. */
+/* Makes e the edge opposite to corner p, with corner q on its other side. */
 PBW__INLINE void pbwl__ear_join(pbwl__ears *ears, unsigned p, unsigned q, unsigned e)
 {
     ears->opposite[p] = (unsigned char)q;
     ears->opposite[q] = (unsigned char)p;
     ears->edge[p] = ears->edge[q] = (unsigned char)e;
-    ears->place[e] = (unsigned char)p;
+    ears->corner[e] = (unsigned char)p;
 }
 
-/* Notes that the edge opposite to place p gets time k of the four new ones. */
+/* Notes that the edge opposite to corner p gets time k of the four new ones. */
 PBW__INLINE void pbwl__ear_renew(pbwl__ears *ears, unsigned p, unsigned k)
 {
-    ears->place[PBWL__NEW_EARS + k] = (unsigned char)p;
+    ears->corner[PBWL__NEW_EARS + k] = (unsigned char)p;
     ears->updated[k] = ears->edge[p];
     ears->low[ears->edge[p]] = HUGE_VAL;
 }
 
-/* Makes a new simplex of the vertices at four places.  Returns its index. */
+/* Makes a new simplex of the vertices at four corners.  Returns its index. */
 PBW__INLINE unsigned pbwl__ear_make(pbwl__core *core, unsigned a, unsigned b, unsigned c, unsigned d)
 {
     pbwl__new_simplex *new_simplex = core->new_simplex + core->new_simplices;
@@ -895,7 +896,7 @@ PBW__INLINE unsigned pbwl__ear_make(pbwl__core *core, unsigned a, unsigned b, un
     return (unsigned)core->new_simplices++;
 }
 
-/* Cuts off the edge opposite to place c, between c and d: facets (c, a, b) and (d, b, a) become (c, a, d) and
+/* Cuts off the edge opposite to corner c, between c and d: facets (c, a, b) and (d, b, a) become (c, a, d) and
    (d, b, c).  Returns the new times. */
 PBW__SIMD_INLINE pbwl__spans4 pbwl__ear_flip(pbwl__core *core, unsigned c)
 {
@@ -937,7 +938,7 @@ PBW__SIMD_INLINE pbwl__spans4 pbwl__ear_flip(pbwl__core *core, unsigned c)
     return spans;
 }
 
-/* Cuts off the vertex at place p, where three facets meet: (p, b, c), (p, c, d) and (p, d, b) become (d, b, c).
+/* Cuts off the vertex at corner p, where three facets meet: (p, b, c), (p, c, d) and (p, d, b) become (d, b, c).
    Returns the new times; subtracts from *overlap the number of the three edges that may have a time up to `high`. */
 PBW__SIMD_INLINE pbwl__spans4 pbwl__ear_cut(pbwl__core *core, unsigned p, double high, unsigned *overlap)
 {
@@ -1009,7 +1010,7 @@ PBW__SIMD static PBW__NOINLINE pbw_status pbwl__cut_ears(pbwl__core *core)
 {
     pbwl__ears *ears = &core->ears;
     pbwl__spans4 spans = { pbw__splat(HUGE_VAL), pbw__splat(HUGE_VAL) };
-    unsigned p = ears->place[0], k, f;
+    unsigned p = ears->corner[0], k, f;
     for (k = 0; k < ears->edges; k += 4) {
         pbwl__ear_times(ears, k);
     }
@@ -1031,7 +1032,7 @@ PBW__SIMD static PBW__NOINLINE pbw_status pbwl__cut_ears(pbwl__core *core)
             ears->low[ears->updated[k]] = ears->low[PBWL__NEW_EARS + k];
             ears->high[ears->updated[k]] = ears->high[PBWL__NEW_EARS + k];
         }
-        p = ears->place[e];
+        p = ears->corner[e];
         a = ears->next[p];
         if (ears->degree[ears->vertex[a]] != 3 && ears->degree[ears->vertex[ears->next[a]]] != 3) {
             spans = pbwl__ear_flip(core, p);
@@ -1106,7 +1107,7 @@ PBW__INLINE pbw_status pbwl__star_facet(pbwl__core *core, pbw_index v, size_t i)
 }
 
 /* Collects the star of v and the facets of its hole. */
-static pbw_status pbwl__open_star(pbwl__core *core, pbw_index v)
+static pbw_status pbwl__list_star(pbwl__core *core, pbw_index v)
 {
     pbw__kernel *kernel = &core->kernel;
     pbw_status status = PBW_OK;
@@ -1159,7 +1160,7 @@ static void pbwl__list_ears(pbwl__core *core, pbw_index v)
     }
     ears->edges = edges;
     for (k = edges; k % 4 != 0; k++) {
-        ears->place[k] = ears->place[0];
+        ears->corner[k] = ears->corner[0];
     }
 }
 #endif
@@ -1172,14 +1173,14 @@ static void pbwl__list_ears(pbwl__core *core, pbw_index v)
    Removal fills the hole by gift wrapping.  Let N be the vertices of the link of v.  The triangulation without v has
    the same simplices outside of the star of v; inside it has those simplices of the triangulation of N that are in
    conflict with v: all vertices there are in N, and none of N is in conflict with them.  So behind a facet abc of the
-   hole is the simplex abce: e is the vertex of N strictly on the open side such that no other one of these is in
+   hole is the simplex abce: e is the vertex of N strictly on the hole's side such that no other one of these is in
    conflict with abce; the ghost, if there is none.  Ties are broken as everywhere, so e is unique, and all facets of
    the new simplices meet in pairs.  Time: the new simplices times the size of N; if that grows too large, all points
    are triangulated again.
    ------------------------------------------------------------------------------------------------------ */
-#define PBWL__MOST_LINK ((size_t)1 << 21)            /* vertices of a link: three places fit a key */
+#define PBWL__MOST_LINK ((size_t)1 << 21)            /* vertices of a link: three indices fit a key */
 
-/* Returns the places of a facet in ascending order, as a key; in the plane the third is above all places. */
+/* Returns the indices of a facet's vertices in ascending order, as a key; in the plane the third is above all. */
 PBW__INLINE uint64_t pbwl__facet_key(const pbw_index *v, unsigned dim)
 {
     const uint64_t a = v[0], b = v[1], c = dim == 3 ? v[2] : PBWL__MOST_LINK;
@@ -1189,11 +1190,11 @@ PBW__INLINE uint64_t pbwl__facet_key(const pbw_index *v, unsigned dim)
 }
 
 /* Returns the entry of the table that has, or would have, a facet with this key. */
-PBW__INLINE size_t pbwl__facet_find(const pbwl__core *core, uint64_t key, size_t room)
+PBW__INLINE size_t pbwl__facet_find(const pbwl__core *core, uint64_t key, size_t size)
 {
-    size_t at = pbw__hash_entry(key, room);
+    size_t at = pbw__hash_entry(key, size);
     while (core->table[at] != 0 && core->hole_facet[core->table[at] - 1].key != key) {
-        at = (at + 1) & (room - 1);
+        at = (at + 1) & (size - 1);
     }
     return at;
 }
@@ -1237,7 +1238,7 @@ PBW__INLINE pbw_status pbwl__collect_star(pbwl__core *core, pbw_index v, size_t 
 }
 
 /* Collects the star of v in scratch.cavity, its link in link_vertex and hole_facet. */
-static pbw_status pbwl__open_hole(pbwl__core *core, pbw_index v)
+static pbw_status pbwl__list_hole(pbwl__core *core, pbw_index v)
 {
     pbw__kernel *kernel = &core->kernel;
     const unsigned dim = (unsigned)kernel->dim;
@@ -1272,7 +1273,7 @@ static pbw_status pbwl__open_hole(pbwl__core *core, pbw_index v)
 }
 
 /* Joins facet k of new simplex f to the facet of the hole with its vertices, or makes it an open one. */
-static pbw_status pbwl__glue(pbwl__core *core, size_t f, unsigned k, size_t room)
+static pbw_status pbwl__glue(pbwl__core *core, size_t f, unsigned k, size_t size)
 {
     pbwl__new_simplex *new_simplex = core->new_simplex + f;
     const pbw__link here = (pbw__link)(4 * f + k);
@@ -1283,7 +1284,7 @@ static pbw_status pbwl__glue(pbwl__core *core, size_t f, unsigned k, size_t room
     size_t at;
     pbwl__facet_of(new_simplex->v, k, (int)dim, facet);
     key = pbwl__facet_key(facet, dim);
-    at = pbwl__facet_find(core, key, room);
+    at = pbwl__facet_find(core, key, size);
     if (core->table[at] == 0) {
         hole_facet = core->hole_facet + core->hole_facets++;
         hole_facet->key = key;
@@ -1312,33 +1313,33 @@ static pbw_status pbwl__glue(pbwl__core *core, size_t f, unsigned k, size_t room
 
 /* Makes room for one more simplex and its facets; the table stays at most half full.  Returns the size of the table,
    0 if memory is short. */
-static size_t pbwl__gift_wrap_room(pbwl__core *core, size_t room)
+static size_t pbwl__gift_wrap_room(pbwl__core *core, size_t size)
 {
     size_t i;
     if (!PBWL__CORE_GROW(core, new_simplex, core->new_simplices + 1)
         || !PBWL__CORE_GROW(core, hole_facet, core->hole_facets + 4)) {
         return 0;
     }
-    if (room >= 2 * (core->hole_facets + 4)) {
-        return room;
+    if (size >= 2 * (core->hole_facets + 4)) {
+        return size;
     }
-    for (room = 64; room < 4 * (core->hole_facets + 4); room *= 2) {
+    for (size = 64; size < 4 * (core->hole_facets + 4); size *= 2) {
     }
-    if (!PBWL__CORE_GROW(core, table, room)) {
+    if (!PBWL__CORE_GROW(core, table, size)) {
         return 0;
     }
-    memset(core->table, 0, room * sizeof(pbw_index));
+    memset(core->table, 0, size * sizeof(pbw_index));
     for (i = 0; i < core->hole_facets; i++) {
-        core->table[pbwl__facet_find(core, core->hole_facet[i].key, room)] = (pbw_index)i + 1;
+        core->table[pbwl__facet_find(core, core->hole_facet[i].key, size)] = (pbw_index)i + 1;
     }
-    return room;
+    return size;
 }
 
 /* Fills the hole behind its open facets. */
 static pbw_status pbwl__gift_wrap(pbwl__core *core)
 {
     const unsigned dim = (unsigned)core->kernel.dim;
-    size_t room = pbwl__gift_wrap_room(core, 0), i, f;
+    size_t size = pbwl__gift_wrap_room(core, 0), i, f;
     pbw_status status = PBW_OK;
     unsigned k;
     if (core->link_vertices >= PBWL__MOST_LINK) {
@@ -1351,8 +1352,8 @@ static pbw_status pbwl__gift_wrap(pbwl__core *core)
         if (core->hole_facet[i].closed || v[0] == 0 || v[1] == 0 || v[2] == 0) {
             continue;                                /* facets of the ghost are only matched */
         }
-        room = pbwl__gift_wrap_room(core, room);
-        if (room == 0) {
+        size = pbwl__gift_wrap_room(core, size);
+        if (size == 0) {
             return PBW_ERROR_MEMORY;
         }
         v = core->hole_facet[i].v;
@@ -1372,13 +1373,13 @@ static pbw_status pbwl__gift_wrap(pbwl__core *core)
             new_simplex->v[3] = 0;
         }
         for (k = 0; k <= dim && status == PBW_OK; k++) {
-            status = pbwl__glue(core, f, k, room);
+            status = pbwl__glue(core, f, k, size);
         }
     }
-    for (i = 0; i < core->hole_facets && status == PBW_OK && room > 0; i++) {
+    for (i = 0; i < core->hole_facets && status == PBW_OK && size > 0; i++) {
         status = core->hole_facet[i].closed ? PBW_OK : PBWL__REBUILD;
     }
-    return room == 0 ? PBW_ERROR_MEMORY : status;
+    return size == 0 ? PBW_ERROR_MEMORY : status;
 }
 
 /* Writes the new simplices to slots. */
@@ -1412,7 +1413,7 @@ static PBW__NOINLINE pbw_status pbwl__ear_hole(pbwl__core *core, pbw_index v)
     pbw_status status = PBWL__UNSUITED;
 #ifdef PBW__SIMD
     if (core->kernel.dim == 3 && pbw__simd_works()) {
-        status = pbwl__open_star(core, v);
+        status = pbwl__list_star(core, v);
         if (status == PBW_OK) {
             pbwl__list_ears(core, v);
             status = pbwl__cut_ears(core);
@@ -1438,7 +1439,7 @@ static pbw_status pbwl__remove_vertex(pbwl__core *core, pbw_index v)
     size_t made, i;
     pbw_status status = pbwl__ear_hole(core, v);
     if (status == PBWL__UNSUITED) {
-        status = pbwl__open_hole(core, v);
+        status = pbwl__list_hole(core, v);
         if (status != PBW_OK) {
             return status;
         }
@@ -1734,7 +1735,7 @@ static int pbwl__core_reserve(pbwl__core *core, size_t records, size_t numbers)
 }
 
 /* Moves the records into the core, names the vertices, and chains the numbers at one point.  `canonical` and `id` of
-   the vertices are places in the list of numbers. */
+   the vertices are indices in the list of numbers. */
 static pbw_status pbwl__core_take(pbwl__core *core, pbw__vertices *vertices, const pbw_index *list)
 {
     pbw__context *context = core->kernel.context;
@@ -1971,7 +1972,7 @@ PBW__INLINE unsigned pbwl__slot_faults(const pbwl__core *core, size_t t, int all
    a relative error of 8 u / 5e-6 * 6 = 1.1e-9, a depth is (H - bound) (scale / V): that error, three roundings, and a
    conversion of 2^-24 change it by less than 1e-7 of it.  Underflow takes less than half of the least float, 2^-150,
    and, if scale / V is denormal, 2^-1075 (36 h^3), h^3 < 1e270.  Depths are in units of the scale, which is that of
-   the points' box.  Other simplices, ghosts and free slots get NaN: their signs are left open. */
+   the points' box.  Other simplices, ghosts and free slots get NaN: their signs stay undecided. */
 #define PBWL__DEPTH2_ERROR 9e-15                     /* of H, times h^2, h^3 */
 #define PBWL__DEPTH3_ERROR 4.7e-13
 #define PBWL__DEPTH2_LEAST 1e-12                     /* of V^2, times h^2, h^3 */
@@ -2363,7 +2364,7 @@ static int pbwl__choose_inside(pbwl__verifying *verifying)
 }
 
 /* ---- flips */
-/* Returns by how many places to rotate the corners v to the left so that the ghost comes last. */
+/* Returns how far to rotate the corners v to the left so that the ghost comes last. */
 PBW__INLINE unsigned pbwl__ghost_turn(const pbw_index *v)
 {
     return v[0] == PBW__GHOST ? 1 : v[1] == PBW__GHOST ? 2 : 0;
@@ -2422,7 +2423,7 @@ static pbw_status pbwl__flip(pbwl__core *core, size_t t, unsigned k)
 }
 
 /* Flips until all edges are locally Delaunay; `edge` is the worklist, with `count` edges at first.  PBWL__REBUILD:
-   more than `most` flips.  A task notes in `open` the edges at which it does not own all vertices. */
+   more than `most` flips.  A task notes in `untested` the edges at which it does not own all vertices. */
 static pbw_status pbwl__flip_all(pbwl__core *core, size_t count, size_t most)
 {
     pbw__kernel *kernel = &core->kernel;
@@ -2440,9 +2441,9 @@ static pbw_status pbwl__flip_all(pbwl__core *core, size_t count, size_t most)
         }
         status = ++flips > most ? PBWL__REBUILD : pbwl__flip(core, t, k);
         if (status == PBW__DEFERRED) {
-            status = PBWL__CORE_GROW(core, open, core->open_count + 1) ? PBW_OK : PBW_ERROR_MEMORY;
+            status = PBWL__CORE_GROW(core, untested, core->untested_count + 1) ? PBW_OK : PBW_ERROR_MEMORY;
             if (status == PBW_OK) {
-                core->open[core->open_count++] = facet;
+                core->untested[core->untested_count++] = facet;
                 continue;
             }
         }
@@ -2792,7 +2793,7 @@ PBWDEF void pbw_changes_free(pbw_changes *changes)
 /* A list of simplices that is being sorted. */
 typedef struct pbwl__tuples {
     pbw_index *tuple, *sorted;
-    uint64_t *key;                                   /* the lowest corner, and below it the place in `tuple` */
+    uint64_t *key;                                   /* the lowest corner, and below it the index in `tuple` */
     uint32_t *digit;
     size_t count;
     int dim;
@@ -3242,7 +3243,7 @@ static pbw_status pbwl__batch_range(const pbwl__changing *batch, pbwl__core *cor
     size_t i;
     for (i = from; i < to && status == PBW_OK && !PBW__LOAD(&batch->stop); i += PBWL__GROUP) {
         status = pbwl__batch_group(batch, core, which, i, to);
-        while (status == PBW_OK && own->owner != NULL && own->claim_count > 0) {     /* on failure a star is open */
+        while (status == PBW_OK && own->owner != NULL && own->claim_count > 0) {     /* else a star is unfinished */
             PBW__STORE_RELEASE(own->owner + own->claim[--own->claim_count], PBW__NOBODY);
             PBW__TEST_PAUSE();
         }
@@ -3333,7 +3334,7 @@ static void pbwl__share_slots(const pbwl__changing *batch)
     }
 }
 
-/* Makes a task's core share the arrays of the main core. */
+/* Lets a task's core use the arrays of the main core. */
 static void pbwl__task_begin(const pbwl__changing *batch, int part, uint8_t *owner)
 {
     pbwl__core *core = batch->core, *task = core->task[part];
@@ -3349,7 +3350,7 @@ static void pbwl__task_begin(const pbwl__changing *batch, int part, uint8_t *own
     kernel->own.me = (uint8_t)part;
     kernel->own.owner_bits = kernel->own.claim_count = 0;
     kernel->slots.no_room = 0;
-    task->simplex_count = task->effort = task->reinserted = task->open_count = 0;
+    task->simplex_count = task->effort = task->reinserted = task->untested_count = 0;
 }
 
 /* Adds up what a task counted, and collects the changes that it left. */
@@ -3361,17 +3362,17 @@ static pbw_status pbwl__task_end(pbwl__core *core, pbwl__core *task)
     core->effort += task->effort;
     core->reinserted += task->reinserted;
     if (!PBW__GROW(main, main, left, main->left_count + kernel->left_count)
-        || !PBWL__CORE_GROW(core, open, core->open_count + task->open_count)) {
+        || !PBWL__CORE_GROW(core, untested, core->untested_count + task->untested_count)) {
         return PBW_ERROR_MEMORY;
     }
     if (kernel->left_count > 0) {
         memcpy(main->left + main->left_count, kernel->left, kernel->left_count * sizeof(pbw_index));
     }
-    if (task->open_count > 0) {
-        memcpy(core->open + core->open_count, task->open, task->open_count * sizeof(pbw__link));
+    if (task->untested_count > 0) {
+        memcpy(core->untested + core->untested_count, task->untested, task->untested_count * sizeof(pbw__link));
     }
     main->left_count += kernel->left_count;
-    core->open_count += task->open_count;
+    core->untested_count += task->untested_count;
     return kernel->status;
 }
 
@@ -3606,22 +3607,22 @@ static pbw_status pbwl__place_reserve(pbw_live *live, size_t more)
 {
     pbwl__core *core = &live->core;
     pbw__context *context = core->kernel.context;
-    size_t room = 64;
+    size_t size = 64;
     pbw_status status;
     if (core->place != NULL && 2 * (core->placed + more) < core->place_capacity) {
         return PBW_OK;
     }
-    while (room < 3 * (live->points + more)) {
-        room *= 2;
+    while (size < 3 * (live->points + more)) {
+        size *= 2;
     }
     PBW__RELEASE(&context->memory, core, place);
     core->place_capacity = core->placed = 0;
-    core->place = (pbw_index *)pbw__allocate_large(context, room, sizeof(pbw_index));
+    core->place = (pbw_index *)pbw__allocate_large(context, size, sizeof(pbw_index));
     if (core->place == NULL) {
         return PBW_ERROR_MEMORY;
     }
-    core->place_capacity = room;
-    status = pbw__for_range(context, room, 65536, 0.0, pbwl__place_clear, core->place);
+    core->place_capacity = size;
+    status = pbw__for_range(context, size, 65536, 0.0, pbwl__place_clear, core->place);
     status = status == PBW_OK ? pbw__for_range(context, core->vertex_count, 4096, 0.0, pbwl__place_fill, core)
                               : status;
     if (status != PBW_OK) {
@@ -3649,7 +3650,7 @@ static pbw_status pbwl__batch_reserve(pbw_live *live, size_t more, int new_verti
     pbwl__core *core = &live->core;
     const size_t vertices = core->vertex_count + (new_vertices ? more : 0) + 1, width = (size_t)live->dim + 1;
     const size_t old = core->link_index_capacity;
-    const int room = vertices < PBWL__VERTEX_REMOVED && PBWL__CORE_GROW(core, vertex, live->count)
+    const int enough = vertices < PBWL__VERTEX_REMOVED && PBWL__CORE_GROW(core, vertex, live->count)
         && PBWL__CORE_GROW(core, twin, live->count) && PBWL__CORE_GROW(core, record, vertices * width)
         && PBWL__CORE_GROW(core, name, vertices) && PBWL__CORE_GROW(core, incident, vertices)
         && PBWL__CORE_GROW(core, link_index, vertices) && PBWL__CORE_GROW(core, neighbor, vertices)
@@ -3661,7 +3662,7 @@ static pbw_status pbwl__batch_reserve(pbw_live *live, size_t more, int new_verti
         && PBWL__GROW(live, joining, more + 1);
     core->kernel.record = core->record;              /* it may have moved even if memory ran short later */
     memset(core->link_index + old, 0, (core->link_index_capacity - old) * sizeof(pbw_index));
-    return !room ? PBW_ERROR_MEMORY : new_vertices ? pbwl__place_reserve(live, more) : PBW_OK;
+    return !enough ? PBW_ERROR_MEMORY : new_vertices ? pbwl__place_reserve(live, more) : PBW_OK;
 }
 
 /* Adds a vertex to the list of those with changes, link_vertex, unless it is there.  Returns where it is.  head: the
@@ -4458,13 +4459,13 @@ static pbw_status pbwl__shift_all(pbw_live *live, size_t most_effort)
     batch.slots = live->dim == 3 ? 2 : 0;            /* a removal frees slots, perhaps of another task */
     batch.most_effort = most_effort;
     batch.end = 0.9;
-    core->effort = core->reinserted = core->open_count = 0;
+    core->effort = core->reinserted = core->untested_count = 0;
     status = status == PBW_OK ? pbwl__batch_all(core, &batch, 0) : status;
     if (status == PBW_OK && live->dim == 2) {
-        status = PBWL__CORE_GROW(core, edge, core->open_count) ? PBW_OK : PBW_ERROR_MEMORY;
-        if (status == PBW_OK && core->open_count > 0) {
-            memcpy(core->edge, core->open, core->open_count * sizeof(pbw__link));
-            status = pbwl__flip_all(core, core->open_count, core->saved_simplices);
+        status = PBWL__CORE_GROW(core, edge, core->untested_count) ? PBW_OK : PBW_ERROR_MEMORY;
+        if (status == PBW_OK && core->untested_count > 0) {
+            memcpy(core->edge, core->untested, core->untested_count * sizeof(pbw__link));
+            status = pbwl__flip_all(core, core->untested_count, core->saved_simplices);
         }
         batch.change = pbwl__change_again;
         batch.begin = 0.9;

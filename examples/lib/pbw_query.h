@@ -370,7 +370,7 @@ PBWDEF pbw_index pbw_locate_one(const pbw_mesh *mesh, const double *point, pbw_i
 
    A batch is sorted along a Hilbert curve, as points are in >>order.  A walk starts where the last one of its block
    ended; the first walk of a block starts from the nearest of a few vertices.  Lists take two passes: each block
-   writes its lists into a chunk; once all lengths are known, the chunks are copied to their places.
+   writes its lists into a chunk; once all lengths are known, the chunks are copied to one array.
    ------------------------------------------------------------------------------------------------------ */
 #define PBWQ__BLOCK_QUERIES 512
 
@@ -381,7 +381,7 @@ typedef struct pbwq__entry { uint64_t key; uint32_t value, stamp; } pbwq__entry;
 /* A hash table from keys to numbers.  Entries with another stamp are empty. */
 typedef struct pbwq__set {
     pbwq__entry *entry;
-    size_t room, count;                              /* room: a power of two */
+    size_t capacity, count;                          /* capacity: a power of two */
     uint32_t stamp;
 } pbwq__set;
 
@@ -395,9 +395,9 @@ typedef struct pbwq__scratch {
     int moved;                                      /* points of the mesh have moved */
     pbwq__set seen, other;
     pbw_index *list;
-    size_t list_room;
+    size_t list_capacity;
     pbwq__candidate *found;
-    size_t found_room, found_count;
+    size_t found_capacity, found_count;
     pbwq__cavity *cavity;
 } pbwq__scratch;
 
@@ -405,7 +405,7 @@ typedef struct pbwq__scratch {
 typedef struct pbwq__chunk {
     pbw_index *word;
     double *value;
-    size_t words, word_room, value_room;
+    size_t words, word_capacity, value_capacity;
 } pbwq__chunk;
 
 typedef struct pbwq__queries pbwq__queries;
@@ -441,11 +441,11 @@ static int pbwq__room(pbwq__scratch *scratch, void *array, size_t *capacity, siz
     return needed <= *capacity;
 }
 
-PBW__INLINE size_t pbwq__set_place(const pbwq__set *set, uint64_t key)
+PBW__INLINE size_t pbwq__set_slot(const pbwq__set *set, uint64_t key)
 {
-    size_t at = pbw__hash_entry(key, set->room);
+    size_t at = pbw__hash_entry(key, set->capacity);
     while (set->entry[at].stamp == set->stamp && set->entry[at].key != key) {
-        at = (at + 1) & (set->room - 1);
+        at = (at + 1) & (set->capacity - 1);
     }
     return at;
 }
@@ -454,23 +454,23 @@ static PBW__NOINLINE int pbwq__set_grow(pbwq__scratch *scratch, pbwq__set *set)
 {
     pbwq__set bigger;
     size_t i;
-    bigger.room = set->room == 0 ? 256 : 4 * set->room;
+    bigger.capacity = set->capacity == 0 ? 256 : 4 * set->capacity;
     bigger.count = set->count;
     bigger.stamp = 1;
-    bigger.entry = (pbwq__entry *)pbw__allocate(scratch->memory, bigger.room, sizeof(pbwq__entry));
+    bigger.entry = (pbwq__entry *)pbw__allocate(scratch->memory, bigger.capacity, sizeof(pbwq__entry));
     if (bigger.entry == NULL) {
         scratch->failed = 1;
         return 0;
     }
-    memset(bigger.entry, 0, bigger.room * sizeof(pbwq__entry));
-    for (i = 0; i < set->room; i++) {
+    memset(bigger.entry, 0, bigger.capacity * sizeof(pbwq__entry));
+    for (i = 0; i < set->capacity; i++) {
         if (set->entry[i].stamp == set->stamp) {
-            size_t at = pbwq__set_place(&bigger, set->entry[i].key);
+            size_t at = pbwq__set_slot(&bigger, set->entry[i].key);
             bigger.entry[at] = set->entry[i];
             bigger.entry[at].stamp = 1;
         }
     }
-    pbw__release(scratch->memory, set->entry, set->room, sizeof(pbwq__entry));
+    pbw__release(scratch->memory, set->entry, set->capacity, sizeof(pbwq__entry));
     *set = bigger;
     return 1;
 }
@@ -480,8 +480,8 @@ static PBW__NOINLINE int pbwq__set_grow(pbwq__scratch *scratch, pbwq__set *set)
 static int pbwq__set_clear(pbwq__scratch *scratch, pbwq__set *set)
 {
     set->count = 0;
-    if (set->room == 0 || set->stamp == 0xffffffffu) {
-        pbw__release(scratch->memory, set->entry, set->room, sizeof(pbwq__entry));
+    if (set->capacity == 0 || set->stamp == 0xffffffffu) {
+        pbw__release(scratch->memory, set->entry, set->capacity, sizeof(pbwq__entry));
         memset(set, 0, sizeof(*set));
         return pbwq__set_grow(scratch, set);
     }
@@ -493,15 +493,15 @@ static int pbwq__set_clear(pbwq__scratch *scratch, pbwq__set *set)
    short. */
 PBW__INLINE uint32_t *pbwq__set_add(pbwq__scratch *scratch, pbwq__set *set, uint64_t key, uint32_t value, int *added)
 {
-    size_t at = pbwq__set_place(set, key);
+    size_t at = pbwq__set_slot(set, key);
     pbwq__entry *entry = set->entry + at;
     *added = entry->stamp != set->stamp;
     if (*added) {
-        if (PBW__UNLIKELY(2 * set->count >= set->room)) {
+        if (PBW__UNLIKELY(2 * set->count >= set->capacity)) {
             if (!pbwq__set_grow(scratch, set)) {
                 return NULL;
             }
-            entry = set->entry + pbwq__set_place(set, key);
+            entry = set->entry + pbwq__set_slot(set, key);
         }
         set->count++;
         entry->key = key;
@@ -521,10 +521,10 @@ static pbw_status pbwq__answer_range(void *arg, size_t from, size_t to)
     memset(&scratch, 0, sizeof(scratch));
     scratch.memory = memory;
     queries->answer(queries, &scratch, from / queries->grain, from, to);
-    pbw__release(memory, scratch.seen.entry, scratch.seen.room, sizeof(pbwq__entry));
-    pbw__release(memory, scratch.other.entry, scratch.other.room, sizeof(pbwq__entry));
-    pbw__release(memory, scratch.list, scratch.list_room, sizeof(pbw_index));
-    pbw__release(memory, scratch.found, scratch.found_room, sizeof(pbwq__candidate));
+    pbw__release(memory, scratch.seen.entry, scratch.seen.capacity, sizeof(pbwq__entry));
+    pbw__release(memory, scratch.other.entry, scratch.other.capacity, sizeof(pbwq__entry));
+    pbw__release(memory, scratch.list, scratch.list_capacity, sizeof(pbw_index));
+    pbw__release(memory, scratch.found, scratch.found_capacity, sizeof(pbwq__candidate));
     pbwq__cavity_free(memory, scratch.cavity);
     return scratch.failed ? PBW_ERROR_MEMORY : scratch.moved ? PBW_ERROR_ARGUMENT : PBW_OK;
 }
@@ -617,10 +617,10 @@ static pbw_status pbwq__queries_end(pbwq__queries *queries, pbw_status status)
     return pbw__end_call(&queries->context, status);
 }
 
-/* Returns the number of the query at a place along the curve. */
-PBW__INLINE size_t pbwq__query_of(const pbwq__queries *queries, size_t place)
+/* Returns the number of the i-th query along the curve. */
+PBW__INLINE size_t pbwq__query_of(const pbwq__queries *queries, size_t i)
 {
-    return queries->sorted.id[place + 1];
+    return queries->sorted.id[i + 1];
 }
 
 /* Returns the vertex nearest to p, by rounded distances, of a few spread over the mesh. */
@@ -678,8 +678,8 @@ static pbw_index *pbwq__chunk_add(pbwq__queries *queries, pbwq__scratch *scratch
 {
     pbwq__chunk *chunk = queries->chunk + block;
     const size_t at = chunk->words + 2, end = at + length;
-    if (!pbwq__room(scratch, &chunk->word, &chunk->word_room, end, sizeof(pbw_index))
-        || (values != NULL && !pbwq__room(scratch, &chunk->value, &chunk->value_room, end, sizeof(double)))) {
+    if (!pbwq__room(scratch, &chunk->word, &chunk->word_capacity, end, sizeof(pbw_index))
+        || (values != NULL && !pbwq__room(scratch, &chunk->value, &chunk->value_capacity, end, sizeof(double)))) {
         return NULL;
     }
     queries->first[id + 1] = length;
@@ -748,8 +748,8 @@ static pbw_status pbwq__make_lists(pbwq__queries *queries, pbwq__answer *answer,
                : pbwq__answer_all(queries, pbwq__copy_chunk, items, size);
     }
     for (i = 0; i < blocks && queries->chunk != NULL; i++) {
-        pbw__release(memory, queries->chunk[i].word, queries->chunk[i].word_room, sizeof(pbw_index));
-        pbw__release(memory, queries->chunk[i].value, queries->chunk[i].value_room, sizeof(double));
+        pbw__release(memory, queries->chunk[i].word, queries->chunk[i].word_capacity, sizeof(pbw_index));
+        pbw__release(memory, queries->chunk[i].value, queries->chunk[i].value_capacity, sizeof(double));
     }
     pbw__release(memory, queries->chunk, blocks, sizeof(pbwq__chunk));
     return status;
@@ -1309,14 +1309,15 @@ static void pbwq__star_of(pbwq__queries *queries, pbwq__scratch *scratch, size_t
     if (!pbwq__set_clear(scratch, &scratch->seen) || !pbwq__set_clear(scratch, &scratch->other)
         || pbwq__set_add(scratch, &scratch->seen, mesh->incident[vertex], 0, &added) == NULL
         || pbwq__set_add(scratch, &scratch->other, vertex, 0, &added) == NULL
-        || !pbwq__room(scratch, &scratch->list, &scratch->list_room, 64, sizeof(pbw_index))) {
+        || !pbwq__room(scratch, &scratch->list, &scratch->list_capacity, 64, sizeof(pbw_index))) {
         return;
     }
-    scratch->list[0] = mesh->incident[vertex];          /* simplices at even places, neighbours at odd ones */
+    scratch->list[0] = mesh->incident[vertex];          /* simplices at even indices, neighbours at odd ones */
     for (next = 0; next < met; next++) {
         const size_t t = scratch->list[2 * next];
         const pbw_index *v = mesh->simplices + t * corners;
-        if (!pbwq__room(scratch, &scratch->list, &scratch->list_room, 2 * (met + count) + 16, sizeof(pbw_index))) {
+        if (!pbwq__room(scratch, &scratch->list, &scratch->list_capacity, 2 * (met + count) + 16,
+                        sizeof(pbw_index))) {
             return;
         }
         for (k = 0; k < corners; k++) {
@@ -1431,7 +1432,7 @@ static void pbwq__heap_push(const pbw_mesh *mesh, pbwq__scratch *scratch, const 
                             const pbwq__candidate *candidate)
 {
     size_t at = scratch->found_count;
-    if (!pbwq__room(scratch, &scratch->found, &scratch->found_room, at + 1, sizeof(pbwq__candidate))) {
+    if (!pbwq__room(scratch, &scratch->found, &scratch->found_capacity, at + 1, sizeof(pbwq__candidate))) {
         return;
     }
     for (; at > 0 && pbwq__comes_before(mesh, q, candidate, scratch->found + (at - 1) / 2); at = (at - 1) / 2) {
@@ -1468,7 +1469,7 @@ static void pbwq__flood(pbwq__queries *queries, pbwq__scratch *scratch, const do
     const size_t *first = queries->stars->first;
     size_t next, count = 1, i;
     if (!pbwq__set_clear(scratch, &scratch->seen) || !pbwq__is_new(scratch, start->vertex)
-        || !pbwq__room(scratch, &scratch->list, &scratch->list_room, 1, sizeof(pbw_index))) {
+        || !pbwq__room(scratch, &scratch->list, &scratch->list_capacity, 1, sizeof(pbw_index))) {
         return;
     }
     scratch->list[0] = start->vertex;
@@ -1480,7 +1481,7 @@ static void pbwq__flood(pbwq__queries *queries, pbwq__scratch *scratch, const do
             if ((radius < 0.0 ? pbwq__compare(mesh, q, &candidate, start) == 0
                               : pbwq__is_within(mesh, q, &candidate, radius))
                 && pbwq__is_new(scratch, vertex)
-                && pbwq__room(scratch, &scratch->list, &scratch->list_room, count + 1, sizeof(pbw_index))) {
+                && pbwq__room(scratch, &scratch->list, &scratch->list_capacity, count + 1, sizeof(pbw_index))) {
                 scratch->list[count++] = vertex;
                 pbwq__heap_push(mesh, scratch, q, &candidate);
             }
@@ -1491,8 +1492,7 @@ static void pbwq__flood(pbwq__queries *queries, pbwq__scratch *scratch, const do
     }
 }
 
-/* Moves the entry at a place of the list past others that are nearly as near, to its place in exact order.  Returns
-   that place. */
+/* Moves an entry of the list past others that are nearly as near, to its index in exact order, which is returned. */
 static PBW__NOINLINE size_t pbwq__near_settle(const pbw_mesh *mesh, pbwq__scratch *scratch, const double *q,
                                               size_t at)
 {
@@ -1509,8 +1509,8 @@ static PBW__NOINLINE size_t pbwq__near_settle(const pbw_mesh *mesh, pbwq__scratc
 }
 
 /* Inserts a vertex that is not in scratch->found into the list there: `most` vertices at most, in exact order, and
-   room for one more.  Returns its place, `most` if it is too far.  It comes behind the last square not larger.
-   If both squares next to it differ from its own by more than the slacks, this place is exact, as all others lie
+   room for one more.  Returns its index, `most` if it is too far.  It comes behind the last square not larger.
+   If both squares next to it differ from its own by more than the slacks, this index is exact, as all others lie
    beyond these two; otherwise pbwq__near_settle moves it. */
 PBW__INLINE size_t pbwq__offer_near(const pbw_mesh *mesh, pbwq__scratch *scratch, const double *q,
                                     const pbwq__candidate *candidate, size_t most)
@@ -1579,10 +1579,10 @@ PBW__INLINE void pbwq__near_few(pbwq__queries *queries, pbwq__scratch *scratch, 
 static void pbwq__write_near(pbwq__queries *queries, const double *q, size_t query, size_t at,
                              const pbwq__candidate *candidate)
 {
-    const size_t place = query * queries->k + at;
-    queries->vertices[place] = candidate != NULL ? candidate->vertex : PBW_NONE;
+    const size_t to = query * queries->k + at;
+    queries->vertices[to] = candidate != NULL ? candidate->vertex : PBW_NONE;
     if (queries->distances != NULL) {
-        queries->distances[place] = candidate != NULL ? pbwq__distance_of(queries->mesh, q, candidate) : HUGE_VAL;
+        queries->distances[to] = candidate != NULL ? pbwq__distance_of(queries->mesh, q, candidate) : HUGE_VAL;
     }
 }
 
@@ -1680,7 +1680,8 @@ static void pbwq__near_one(pbwq__queries *queries, pbwq__scratch *scratch, const
             lowest[count] = pbwq__heap_pop(mesh, scratch, q);
         }
     }
-    if (pbwq__room(scratch, &scratch->found, &scratch->found_room, PBWQ__NEAR_LIST + 1, sizeof(pbwq__candidate))) {
+    if (pbwq__room(scratch, &scratch->found, &scratch->found_capacity, PBWQ__NEAR_LIST + 1,
+                   sizeof(pbwq__candidate))) {
         memcpy(scratch->found, lowest, count * sizeof(lowest[0]));
         scratch->found_count = count;
         PBW__BY_DIM(mesh->dim, pbwq__near_few, queries, scratch, q);
@@ -1704,12 +1705,12 @@ static void pbwq__push_all(pbwq__queries *queries, pbwq__scratch *scratch, const
     }
 }
 
-/* Reads the query at a place along the curve, and sets q[3], the relative error of squares. */
-PBW__INLINE void pbwq__query_at(const pbwq__queries *queries, size_t place, double *q)
+/* Reads the i-th query along the curve, and sets q[3], the relative error of squares. */
+PBW__INLINE void pbwq__query_at(const pbwq__queries *queries, size_t i, double *q)
 {
     const double large = queries->large, limit = large / 805306368.0;        /* 2^23 units */
     int fits = large > 0.0, k;
-    pbw__fetch(&queries->input, pbwq__query_of(queries, place), q);
+    pbw__fetch(&queries->input, pbwq__query_of(queries, i), q);
     for (k = 0; k < 3; k++) {
         fits &= (pbw__abs(q[k]) <= limit) & ((large + q[k]) - large == q[k]);
     }
@@ -2085,7 +2086,8 @@ PBW__SIMD static void pbwq__search_block(pbwq__queries *queries, pbwq__scratch *
     double q[4];
     size_t i;
     (void)block;
-    if (!pbwq__room(scratch, &scratch->found, &scratch->found_room, PBWQ__NEAR_LIST + 1, sizeof(pbwq__candidate))) {
+    if (!pbwq__room(scratch, &scratch->found, &scratch->found_capacity, PBWQ__NEAR_LIST + 1,
+                    sizeof(pbwq__candidate))) {
         return;
     }
     for (i = from; i < to; i++) {
@@ -2577,7 +2579,7 @@ PBW__INLINE int pbwq__cavity_find(const pbwq__queries *queries, int dim, pbwq__s
 }
 
 /* Makes the sites relative to q, scaled by a power of two so that the farthest is about 1 away. */
-PBW__INLINE void pbwq__cavity_place(const pbw_mesh *mesh, int dim, pbwq__cavity *cavity, const double *q)
+PBW__INLINE void pbwq__cavity_relative(const pbw_mesh *mesh, int dim, pbwq__cavity *cavity, const double *q)
 {
     double largest = 0.0, scale;
     size_t i;
@@ -2991,7 +2993,7 @@ static void pbwq__coordinates_of(pbwq__queries *queries, pbwq__scratch *scratch,
     if (!(dim == 3 ? pbwq__cavity_find(queries, 3, scratch, t, p) : pbwq__cavity_find(queries, 2, scratch, t, p))) {
         return;
     }
-    pbwq__cavity_place(mesh, dim, scratch->cavity, p);
+    pbwq__cavity_relative(mesh, dim, scratch->cavity, p);
     right = pbwq__cavity_weigh_coarse(laplace, scratch);
     if (right == 0) {
         pbwq__cavity_unit(scratch->cavity);
