@@ -8194,9 +8194,11 @@ PBW__SIMD_INLINE size_t pbw__emit_used(const pbw_index *number, size_t from, siz
     return count;
 }
 
-/* pbw__emit_slots_of by vectors. */
+/* pbw__emit_slots_of by vectors.  links: 0: none; 1: numbers of neighbours; PBW__PACKED: links, and corners as they
+   are. */
+#define PBW__PACKED 2
 PBW__SIMD_INLINE void pbw__emit_slots_simd_of(const pbw__emission *emission, size_t from, size_t end,
-                                              pbw__aside *aside, int links, int packed, int dim)
+                                              pbw__aside *aside, int links, int dim)
 {
     const pbw_index *number = emission->number, *id = emission->id;
     const pbw__link *link = emission->link;
@@ -8228,7 +8230,7 @@ PBW__SIMD_INLINE void pbw__emit_slots_simd_of(const pbw__emission *emission, siz
             neighbors = (pbw__i4)_mm_setr_epi32((int)number[l[0] >> 2], (int)number[l[1] >> 2],
                                                 (int)number[l[2] >> 2], dim == 3 ? (int)number[l[3] >> 2] : 0);
         }
-        if (packed) {
+        if (links == PBW__PACKED) {
             ids = pbw__load4(v);
             neighbors = neighbors << 2 | (pbw__load4((const pbw_index *)(const void *)(link + 4 * t)) & 3);
         } else {
@@ -8255,11 +8257,11 @@ PBW__SIMD_INLINE void pbw__emit_slots_simd_of(const pbw__emission *emission, siz
 PBW__SIMD static void pbw__emit_slots_simd(const pbw__emission *emission, size_t from, size_t end, pbw__aside *aside)
 {
     if (emission->packed) {
-        pbw__emit_slots_simd_of(emission, from, end, aside, 1, 1, 3);
+        pbw__emit_slots_simd_of(emission, from, end, aside, PBW__PACKED, 3);
     } else if (emission->link != NULL) {
-        PBW__BY_DIM(emission->dim, pbw__emit_slots_simd_of, emission, from, end, aside, 1, 0);
+        PBW__BY_DIM(emission->dim, pbw__emit_slots_simd_of, emission, from, end, aside, 1);
     } else {
-        PBW__BY_DIM(emission->dim, pbw__emit_slots_simd_of, emission, from, end, aside, 0, 0);
+        PBW__BY_DIM(emission->dim, pbw__emit_slots_simd_of, emission, from, end, aside, 0);
     }
 }
 #endif
