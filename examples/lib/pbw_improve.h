@@ -1453,8 +1453,8 @@ static void pbwim__cone_of(const pbwim__mesh *m, pbw_index p, const pbw_index *s
    with it; or of their edges across from it. */
 enum { PBWIM__MOVING, PBWIM__ACROSS };
 
-/* Returns the largest distance of these middles from the surface, were p at x, or `least`; once that is above `enough`,
-   it may end. */
+/* Returns the largest distance of these middles from the surface, were p at x, or `least`; it may end once that is
+   above `enough`. */
 static double pbwim__farthest_at(const pbwim__mesh *m, pbw_index p, const double *x, const pbw_index *star, int count,
                                  int which, double least, double enough)
 {

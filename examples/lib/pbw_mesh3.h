@@ -4746,8 +4746,9 @@ PBWMESH3DEF pbw_status pbw_solid(const pbw_solid_input *input, const pbw_solid_o
     r.with_boundary = boundary != NULL;
     if (mesh != NULL && input != NULL
         && (input->value != NULL || (input->points != NULL && input->triangles != NULL))
-        && (how == NULL || (how->size >= 0 && how->distance >= 0 && how->least_size >= 0 && how->curvature >= 0 && how->gradation >= 0
-                            && how->most >= 0 && (unsigned)how->sharp <= PBW_SOLID_SHARP_NONE))) {
+        && (how == NULL || (how->size >= 0 && how->distance >= 0 && how->least_size >= 0 && how->curvature >= 0
+                            && how->gradation >= 0 && how->most >= 0
+                            && (unsigned)how->sharp <= PBW_SOLID_SHARP_NONE))) {
         call.input = input;
         call.how = how;
         call.options = options;
