@@ -447,7 +447,7 @@ static void test_all_parts(void)
             pbw_fill_input in;
             (void)part_make(i / 2, i % 2 == 1, &m);
             for (k = 0; k < 3 * m.points; k++) {
-                m.x[0][k] = rounded(m.x[0][k]);
+                m.x[k / 3][k % 3] = rounded(m.x[k / 3][k % 3]);
             }
             in = input_of(m.x[0], m.points, m.t[0], m.triangles);
             for (k = 0; k < 3; k++) {                /* exact, flat facets, triangles */
@@ -693,7 +693,7 @@ static void test_checker(void)
         double volume;
         (void)part_make(PART_SPIKE + 2, 1, &m);      /* the plate: it needs points on segments */
         for (i = 0; i < 3 * m.points; i++) {
-            m.x[0][i] = rounded(m.x[0][i]);
+            m.x[i / 3][i % 3] = rounded(m.x[i / 3][i % 3]);
         }
         memset(&how, 0, sizeof how);
         how.split_flat = how.conforming = 1;
@@ -791,7 +791,7 @@ static void test_magnitudes(void)
 {
     if (test_begin("huge beside tiny")) {
         pbw_fill_input in;
-        double *x = &big.x[0][0];
+        double *x = (double *)big.x;
         size_t i;
         big.points = big.triangles = 0;
         add_box(-1, 1);

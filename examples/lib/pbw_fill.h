@@ -700,7 +700,7 @@ static pbw_status pbwfill__sort_sides(pbwfill__work *w, pbw_index *order)
     if (status == PBW_OK) {
         for (i = 0; i < count; i++) {
             const size_t s = first.at[i], t = s - s % 3;
-            const pbw_index *wire = w->input->segments == NULL ? NULL : w->input->segments + 2 * (s - 3 * triangles);
+            const pbw_index *wire = s < 3 * triangles ? NULL : w->input->segments + 2 * (s - 3 * triangles);
             const uint64_t a = s < 3 * triangles ? w->corners.at[t + (s + 1) % 3] : w->canonical.at[wire[0]];
             const uint64_t b = s < 3 * triangles ? w->corners.at[t + (s + 2) % 3] : w->canonical.at[wire[1]];
             keys.at[i] = a < b ? a << 32 | b : b << 32 | a;
