@@ -692,7 +692,8 @@ static void test_unions(void)
         return;
     }
     memset(&how, 0, sizeof how);
-    for (kind = 0; kind < 3; kind++) {               /* two boxes, one of them turned inside out; a spindle torus */
+    for (kind = 0; kind < 4; kind++) {               /* two boxes, one of them turned inside out; a spindle torus;
+                                                        two balls */
         double volume = 1 + 0.64 - 0.4 * 0.5 * 0.6;
         m.points = m.triangles = 0;
         for (i = 0; i < 2 && kind < 2; i++) {
@@ -712,13 +713,27 @@ static void test_unions(void)
             const double height = k == 0 ? 0.8 * sin(v[1]) : 0.8 * (sin(v[1]) - sin(v[0]));
             volume = (k == 0 ? 0 : volume) + 2 * 3.106 * height * (p * p + p * q + q * q) / 3;
         }
+        for (i = 0; i < 2 && kind == 3; i++) {
+            double line[13][2];
+            for (k = 0; k < 13; k++) {
+                line[k][0] = k % 12 == 0 ? 0 : sin(PARTS_PI * (double)k / 12);
+                line[k][1] = -cos(PARTS_PI * (double)k / 12);
+            }
+            volume = 1.75 * part_turned(&m, 13, (const double (*)[2])line, 24, 0);       /* about */
+            for (k = m.points / 2; k < m.points && i == 1; k++) {
+                m.x[k][0] += 1.13;
+                m.x[k][1] += 0.11;
+            }
+        }
         in = input_of(&m);
         how.size = kind == 2 ? 0.3 : 0.25;
         CHECK_EQUAL(pbw_solid(&in, &how, NULL, &mesh, &b, &r), PBW_OK);
         CHECK(is_sound(&mesh) && r.crossings > 0 && r.bad_edges + r.bad_points == 0);
         CHECK_EQUAL(r.euler, kind == 2 ? 4 : 2);
+        CHECK(kind < 3 || (r.sharp_edges > 20 && r.missing_edges == 0 && r.distance < 0.12));
         CHECK_EQUAL(b.facet_count, count_sheets(&mesh));
-        CHECK(kind == 2 ? r.improve.after.volume > 0.9 * volume : fabs(r.improve.after.volume - volume) < 0.02);
+        CHECK(kind >= 2 ? r.improve.after.volume > 0.9 * volume : fabs(r.improve.after.volume - volume) < 1e-6);
+        CHECK(kind >= 2 || (r.sharp_edges >= 30 && r.missing_edges == 0 && r.distance < 1e-6));
         test_say("%zu tetrahedra, %.2f..%.2f, volume %.4f of %.4f, %zu crossings, Euler %ld, %zu + %zu faults",
                  mesh.tet_count, r.improve.after.least, r.improve.after.largest, r.improve.after.volume, volume,
                  r.crossings, r.euler, r.bad_edges, r.bad_points);
@@ -1103,13 +1118,32 @@ static void test_warnings(void)
     test_end();
 }
 
+/* Refuses one request for memory and all after it, then one more, until none is refused. */
+static void check_allocations(const pbw_solid_input *in, const pbw_solid_options *how, pbw_options *options,
+                              meter *memory)
+{
+    pbw_solid_boundary boundary;
+    pbw_tets mesh;
+    pbw_status status = PBW_ERROR_MEMORY;
+    long k;
+    for (k = 1; status == PBW_ERROR_MEMORY && k < 5000; k++) {
+        meter_start(memory, k, 1);
+        status = pbw_solid(in, how, options, &mesh, &boundary, NULL);
+        CHECK(status == PBW_ERROR_MEMORY || (mesh.tet_count > 0 && boundary.facet_count > 0));
+        pbw_solid_boundary_free(&boundary);
+        pbw_tets_free(&mesh);
+        CHECK(memory->blocks == 0 && memory->faults == 0);
+    }
+    CHECK(k > 50 && status == PBW_OK);
+}
+
 static void test_failures(void)
 {
-    static part m;
+    static const double corner[4][3] = { { 0, 0, 0 }, { 1, 1, 1 }, { 2, 2, 2 }, { 3, 3, 3 } };
+    static part m, two;
     pbw_options options;
     pbw_solid_options how;
     pbw_solid_input in;
-    pbw_solid_boundary boundary;
     pbw_tets mesh;
     pbw_status status = PBW_ERROR_MEMORY;
     meter memory;
@@ -1127,15 +1161,12 @@ static void test_failures(void)
     options.threads = 1;
     options.resize = meter_resize;
     options.resize_user = &memory;
-    for (k = 1; status == PBW_ERROR_MEMORY && k < 5000; k++) {
-        meter_start(&memory, k, 1);
-        status = pbw_solid(&in, &how, &options, &mesh, &boundary, NULL);
-        CHECK(status == PBW_ERROR_MEMORY || (mesh.tet_count > 0 && boundary.facet_count > 0));
-        pbw_solid_boundary_free(&boundary);
-        pbw_tets_free(&mesh);
-        CHECK(memory.blocks == 0 && memory.faults == 0);
-    }
-    CHECK(k > 50 && status == PBW_OK);
+    check_allocations(&in, &how, &options, &memory);
+    (void)part_box(&two, corner[0], corner[2], 0);   /* boxes that cross */
+    (void)part_box(&two, corner[1], corner[3], 0);
+    in = input_of(&two);
+    check_allocations(&in, &how, &options, &memory);
+    in = input_of(&m);
     meter_start(&memory, 0, 0);
     options.progress = watch_progress;
     options.progress_user = &w;

@@ -21,6 +21,7 @@
      >>shells       triangles oriented alike; holes closed; regions between walls
      >>inside       which shells are around a point; the label of a place
      >>features     which sharp edges are kept
+     >>kinks        where shells cross
      >>chains       sharp edges chained between corners; patches
      >>sizes        local sizes
      >>samples      the first points: on sharp edges, on smooth parts, inside
@@ -89,10 +90,10 @@
 
    DOES NOT  settle at gaps of a shell below 1/10 of the size, nor always at acute edges: it warns.  Surfaces with
              walls below about 1/10 of the size on the whole are refused: report.thickness.
-             Shells may be nested or cross, and the edges where they cross are rounded; if they coincide only in
-             part, or with other triangles, the space between is no region, or noise.  Where four walls meet inside,
-             facets of interfaces may cut the corner, by up to 0.15 sizes: see report.distance.  Points between two
-             regions are not moved.
+             Shells may be nested or cross; the edges where they cross are sharp if sharp edges are kept, but rounded
+             where triangles lie on each other.  If shells coincide only in part, or with other triangles, the space
+             between is no region, or noise.  Where four walls meet inside, facets of interfaces may cut the corner,
+             by up to 0.15 sizes: see report.distance.  Points between two regions are not moved.
              Smooth tips sharper than a cone of 60 degrees may stay farther from the boundary than options.distance.
 
    CONFIGURATION MACROS
@@ -314,6 +315,7 @@ typedef struct pbwm3__work {
     double closing_area;                   /* area of the triangles that close holes */
     int nested;
     int joined;                            /* 1: triangles cross, and inside is where the winding number is above 0 */
+    int kinks;                             /* 1: joined, and the edges where triangles cross are sharp */
     int walls;                             /* 1: a complex of walls between regions: edges of more than two triangles,
                                               or triangles given twice, and no open edges */
     int whole;                             /* 1: the surface is one patch, whatever its edges */
@@ -350,6 +352,9 @@ typedef struct pbwm3__work {
     pbwsf__indices outer;                  /* with walls: per triangle, the shell around its body, PBW_NONE outside
                                               all; before it is known, the body's number */
     PBW_ARRAY(pbw_solid_hole) holes;
+    pbwsf__pairs crossing;                 /* where shells are joined: pairs of triangles that meet */
+    pbwsf__numbers segments;               /* 6 a pair: what they have in common */
+    pbwsf__pairs crossed;                  /* a vertex that ends such a segment, and a triangle of the pair */
     pbwsf__indices part;                   /* of each triangle: its part of the surface between sharp edges */
     pbwsf__indices patch;                  /* the same, or 0 if the surface is one patch */
     pbwsf__indices firsts;                 /* the first triangle of each patch */
@@ -1530,13 +1535,24 @@ static pbw_status pbwm3__find_crossings(pbwm3__work *w)
     pbw_surface_faults faults;
     const pbw_status status = pbw_surface_crossings(s->points, s->point_count, s->triangles, s->triangle_count,
                                                     pbwm3__inner_options(w), &faults);
-    w->report->crossings = faults.crossing_count;
-    if (faults.crossing_count > 0) {
+    const size_t count = faults.crossing_count;
+    int good = 1;
+    w->report->crossings = count;
+    if (count > 0) {
         memcpy(w->report->crossing_place, faults.segments, sizeof w->report->crossing_place);
     }
-    w->joined = w->report->crossings > 0 && !w->nested && !w->open && !w->walls;
+    w->joined = count > 0 && !w->nested && !w->open && !w->walls;
+    if (w->joined) {
+        good = PBW_FIT(&w->memory, w->crossing, count) && PBW_FIT(&w->memory, w->segments, 6 * count);
+    }
+    if (w->joined && good) {
+        memcpy(w->crossing.at, faults.crossings, count * sizeof *w->crossing.at);
+        memcpy(w->segments.at, faults.segments, 6 * count * sizeof *w->segments.at);
+        w->crossing.count = count;
+        w->segments.count = 6 * count;
+    }
     pbw_surface_faults_free(&faults);
-    return status;
+    return status != PBW_OK ? status : good ? PBW_OK : PBW_ERROR_MEMORY;
 }
 
 static void pbwm3__nest_shells(pbwm3__work *w)
@@ -1933,6 +1949,412 @@ static int pbwm3__choose_sharp(pbwm3__work *w, pbwm3__features *f, const pbwsf__
 }
 
 /* ------------------------------------------------------------------------------------------------------
+   >>kinks        Where shells cross: sharp edges of their union.
+   In: pairs of triangles that meet, and what they have in common; the sharp edges of the surface.  Out: the sharp
+   edges of the union: pieces of those of the surface, and curves where shells cross; vertices where curves begin and
+   end.  Where triangles lie on each other, turned alike, and where no sharp edges are kept, all stays as it is.
+   Nothing here decides what is inside, so places are rounded: one is on the union's boundary if some of what is a
+   millionth of the size around it has no shell around it, and some has.
+   ------------------------------------------------------------------------------------------------------ */
+enum { PBWM3__CIRCLE = 36 };
+
+typedef struct pbwm3__stars { pbwsf__counts first, at; } pbwm3__stars;    /* triangles at vertex v: as in the graph */
+
+/* Lists the triangles that have each vertex as a corner, or as an end of what they have in common with others. */
+static int pbwm3__make_stars(pbwm3__work *w, pbwm3__stars *stars)
+{
+    const size_t points = w->surface.point_count, corners = 3 * w->surface.triangle_count;
+    const size_t count = corners + w->crossed.count;
+    size_t *first, i;
+    if (!PBW_FIT(&w->memory, stars->first, points + 2)
+        || !PBW_FIT(&w->memory, stars->at, count + 1)) {
+        return 0;
+    }
+    first = stars->first.at;
+    memset(first, 0, (points + 2) * sizeof *first);
+    for (i = 0; i < count; i++) {
+        first[(i < corners ? w->surface.triangles[i] : w->crossed.at[i - corners][0]) + 2]++;
+    }
+    for (i = 0; i < points; i++) {
+        first[i + 2] += first[i + 1];
+    }
+    for (i = 0; i < count; i++) {
+        const pbw_index v = i < corners ? w->surface.triangles[i] : w->crossed.at[i - corners][0];
+        stars->at.at[first[v + 1]++] = i < corners ? i / 3 : w->crossed.at[i - corners][1];
+    }
+    return 1;
+}
+
+static void pbwm3__free_stars(pbwm3__work *w, pbwm3__stars *stars)
+{
+    PBW_RELEASE(&w->memory, stars->first);
+    PBW_RELEASE(&w->memory, stars->at);
+}
+
+static int pbwm3__is_at(const pbwm3__stars *stars, pbw_index v, size_t triangle)
+{
+    size_t i = stars->first.at[v];
+    while (i < stars->first.at[v + 1] && stars->at.at[i] != triangle) {
+        i++;
+    }
+    return i < stars->first.at[v + 1];
+}
+
+/* Adds the unit normal of a triangle. */
+static void pbwm3__add_outward(const pbwm3__work *w, pbw_index triangle, double out[3])
+{
+    double n[3], length;
+    int k;
+    pbwsf__normal_of(&w->surface, triangle, n);
+    length = sqrt(pbwsf__dot(n, n));
+    for (k = 0; k < 3 && length > 0; k++) {
+        out[k] += n[k] / length;
+    }
+}
+
+/* Returns whether p, a place of the surface, is on the boundary of the union; out: outward. */
+static int pbwm3__is_outer(const pbwm3__work *w, const double p[3], const double out[3])
+{
+    const double length = sqrt(pbwsf__dot(out, out));
+    double q[3];
+    int k;
+    for (k = 0; k < 3; k++) {
+        q[k] = p[k] + (length > 0 ? 1e-6 * w->size * out[k] / length : 0);
+    }
+    return pbw_surface_turns(&w->surface, q) <= 0;
+}
+
+/* Returns how much of a small circle around the middle of an edge is outside of the union, 0 to 1. */
+static double pbwm3__outside_of(const pbwm3__work *w, pbw_index a, pbw_index b)
+{
+    const double *p = w->surface.points + 3 * (size_t)a, *q = w->surface.points + 3 * (size_t)b;
+    double along[3], u[3] = { 0, 0, 0 }, v[3], middle[3], length[2];
+    int i, k, least = 0, outside = 0;
+    pbwsf__between(p, q, 0.5, middle);
+    pbwsf__minus(q, p, along);
+    for (k = 1; k < 3; k++) {
+        least = fabs(along[k]) < fabs(along[least]) ? k : least;
+    }
+    u[least] = 1;
+    pbwsf__cross(along, u, v);
+    pbwsf__cross(v, along, u);
+    length[0] = sqrt(pbwsf__dot(u, u));
+    length[1] = sqrt(pbwsf__dot(v, v));
+    for (i = 0; i < PBWM3__CIRCLE && length[0] > 0 && length[1] > 0; i++) {
+        const double angle = 6.283185307179586 * (i + 0.5) / PBWM3__CIRCLE, radius = 1e-6 * w->size;
+        double at[3];
+        for (k = 0; k < 3; k++) {
+            at[k] = middle[k] + radius * (cos(angle) * u[k] / length[0] + sin(angle) * v[k] / length[1]);
+        }
+        outside += pbw_surface_turns(&w->surface, at) <= 0;
+    }
+    return (double)outside / PBWM3__CIRCLE;
+}
+
+/* Makes vertices of the ends of all segments, one for those that are within a cell of 1e-7 sizes: rounding sets apart
+   what several triangles have in common. */
+static pbw_status pbwm3__weld_ends(pbwm3__work *w, pbwsf__pairs *ends)
+{
+    const size_t old = w->vertices.count, count = w->segments.count / 3;
+    const double cell = 1e-7 * w->size;
+    pbwsf__vectors all = { NULL, 0, 0 };
+    pbwsf__indices order = { NULL, 0, 0 };
+    pbw_status status = PBW_ERROR_MEMORY;
+    pbw_index vertex = PBW_NONE;
+    size_t i;
+    if (PBW_FIT(&w->memory, all, old + count) && PBW_FIT(&w->memory, order, old + count)
+        && PBW_FIT(&w->memory, *ends, count / 2) && PBW_RESERVE(&w->memory, w->vertices, count)) {
+        memcpy(all.at, w->vertices.at, old * sizeof *all.at);
+        memcpy(all.at + old, w->segments.at, count * sizeof *all.at);
+        for (i = 0; i < 3 * (old + count); i++) {
+            all.at[i / 3][i % 3] = floor(all.at[i / 3][i % 3] / cell + 0.5);
+        }
+        ends->count = count / 2;
+        status = pbw_order(3, all.at[0], old + count, pbwm3__inner_options(w), order.at);
+        status = status == PBW_DEGENERATE ? PBW_OK : status;
+    }
+    for (i = 0; status == PBW_OK && i < old + count; i++) {
+        const size_t at = order.at[i];
+        const double *p = all.at[at], *last = i > 0 ? all.at[order.at[i - 1]] : p;
+        if (at < old) {
+            vertex = (pbw_index)at;
+        } else if (i == 0 || p[0] < last[0] || p[0] > last[0] || p[1] < last[1] || p[1] > last[1] || p[2] < last[2]
+                   || p[2] > last[2]) {
+            vertex = (pbw_index)w->vertices.count;
+            memcpy(w->vertices.at + w->vertices.count++, w->segments.at + 3 * (at - old), sizeof *all.at);
+        }
+        if (at >= old) {
+            ends->at[(at - old) / 2][(at - old) % 2] = vertex;
+        }
+    }
+    w->surface.points = w->vertices.at[0];
+    w->surface.point_count = w->vertices.count;
+    PBW_RELEASE(&w->memory, all);
+    PBW_RELEASE(&w->memory, order);
+    return status;
+}
+
+/* A vertex on an edge, a b, of a triangle that meets another there. */
+typedef struct pbwm3__break { pbw_index a, b, vertex; } pbwm3__break;
+typedef PBW_ARRAY(pbwm3__break) pbwm3__breaks;
+
+/* Returns whether a vertex is on an edge, up to rounding. */
+static int pbwm3__is_on_edge(const pbwm3__work *w, pbw_index vertex, const pbw_index *edge)
+{
+    const double *p = w->surface.points + 3 * (size_t)vertex, *x = w->surface.points + 3 * (size_t)edge[0];
+    const double *y = w->surface.points + 3 * (size_t)edge[1];
+    double along[3], from[3], near[3], square;
+    pbwsf__minus(y, x, along);
+    pbwsf__minus(p, x, from);
+    square = pbwsf__dot(along, along);
+    pbwsf__between(x, y, square > 0 ? fmin(1, fmax(0, pbwsf__dot(from, along) / square)) : 0, near);
+    return pbwsf__distance(p, near) <= 1e-7 * w->size;
+}
+
+/* Lists the breaks at one end of a segment, on the edges of one triangle, and the triangle at the vertex. */
+static int pbwm3__list_breaks(pbwm3__work *w, pbw_index vertex, pbw_index triangle, pbwm3__breaks *breaks)
+{
+    const pbw_index *c = w->surface.triangles + 3 * (size_t)triangle;
+    const pbw_index item[2] = { vertex, triangle };
+    int k, good = PBWM3__APPEND(w, w->crossed, item);
+    for (k = 0; k < 3 && good; k++) {
+        const pbw_index edge[2] = { c[k], c[(k + 1) % 3] };
+        pbwm3__break one;
+        one.a = edge[0] < edge[1] ? edge[0] : edge[1];
+        one.b = edge[0] < edge[1] ? edge[1] : edge[0];
+        one.vertex = vertex;
+        good = edge[0] == vertex || edge[1] == vertex || !pbwm3__is_on_edge(w, vertex, edge)
+            || PBW_PUSH(&w->memory, *breaks, one);
+    }
+    return good;
+}
+
+static uint64_t pbwm3__break_key(const pbwm3__work *w, const pbwm3__break *b, int pass)
+{
+    return pass == 0 ? pbw_sort_key(pbwsf__distance(w->surface.points + 3 * (size_t)b->a,
+                                                    w->surface.points + 3 * (size_t)b->vertex))
+         : (uint64_t)b->a << 32 | b->b;
+}
+
+/* Sorts breaks by edge, then by how far along they are. */
+static pbw_status pbwm3__sort_breaks(pbwm3__work *w, pbwm3__breaks *breaks)
+{
+    PBW_ARRAY(uint64_t) keys = { NULL, 0, 0 };
+    pbwsf__indices order = { NULL, 0, 0 };
+    pbwm3__breaks sorted = { NULL, 0, 0 }, swap;
+    pbw_status status = PBW_FIT(&w->memory, keys, breaks->count + 1) && PBW_FIT(&w->memory, order, breaks->count + 1)
+                     && PBW_FIT(&w->memory, sorted, breaks->count + 1) ? PBW_OK : PBW_ERROR_MEMORY;
+    size_t i;
+    int pass;
+    for (pass = 0; pass < 2 && status == PBW_OK; pass++) {
+        for (i = 0; i < breaks->count; i++) {
+            keys.at[i] = pbwm3__break_key(w, breaks->at + i, pass);
+        }
+        status = pbw_sort(keys.at, breaks->count, pbwm3__inner_options(w), order.at);
+        for (i = 0; i < breaks->count && status == PBW_OK; i++) {
+            sorted.at[i] = breaks->at[order.at[i]];
+        }
+        sorted.count = breaks->count;
+        swap = *breaks;
+        *breaks = sorted;
+        sorted = swap;
+    }
+    PBW_RELEASE(&w->memory, keys);
+    PBW_RELEASE(&w->memory, order);
+    PBW_RELEASE(&w->memory, sorted);
+    return status;
+}
+
+static uint64_t pbwm3__edge_key(const pbw_index *edge)
+{
+    return edge[0] < edge[1] ? (uint64_t)edge[0] << 32 | edge[1] : (uint64_t)edge[1] << 32 | edge[0];
+}
+
+/* Sorts edges by their ends, and drops those that are there again. */
+static pbw_status pbwm3__sort_ends(pbwm3__work *w, pbwsf__pairs *list)
+{
+    PBW_ARRAY(uint64_t) keys = { NULL, 0, 0 };
+    pbwsf__indices order = { NULL, 0, 0 };
+    const size_t count = list->count;
+    pbw_status status = PBW_FIT(&w->memory, keys, count + 1) && PBW_FIT(&w->memory, order, count + 1) ? PBW_OK
+                      : PBW_ERROR_MEMORY;
+    size_t i;
+    for (i = 0; status == PBW_OK && i < count; i++) {
+        keys.at[i] = pbwm3__edge_key(list->at[i]);
+    }
+    status = status != PBW_OK ? status : pbw_sort(keys.at, count, pbwm3__inner_options(w), order.at);
+    list->count = status == PBW_OK ? 0 : count;
+    for (i = 0; status == PBW_OK && i < count; i++) {
+        const uint64_t key = keys.at[order.at[i]];
+        if (i == 0 || key != keys.at[order.at[i - 1]]) {
+            list->at[list->count][0] = (pbw_index)(key >> 32);
+            list->at[list->count++][1] = (pbw_index)(key & 0xffffffffu);
+        }
+    }
+    PBW_RELEASE(&w->memory, keys);
+    PBW_RELEASE(&w->memory, order);
+    return status;
+}
+
+/* Returns the first place in a sorted list whose key is not below. */
+static size_t pbwm3__find_edge(const pbwsf__pairs *list, uint64_t key)
+{
+    size_t low = 0, high = list->count;
+    while (low < high) {
+        const size_t middle = (low + high) / 2;
+        if (pbwm3__edge_key(list->at[middle]) < key) {
+            low = middle + 1;
+        } else {
+            high = middle;
+        }
+    }
+    return low;
+}
+
+/* Returns whether the union is sharp at an edge, whose share of a small circle is outside. */
+static int pbwm3__is_kink(const pbwm3__work *w, double outside)
+{
+    return outside > 0 && outside < 1 && fabs(outside - 0.5) > acos(w->cosine) / 6.283185307179586;
+}
+
+/* Adds the pieces of sharp edges that are on the boundary of the union.  Pieces of those that others meet must be
+   sharp there, too, unless patches may meet at them. */
+static int pbwm3__cut_edges(pbwm3__work *w, const pbwm3__breaks *breaks, const pbwsf__pairs *list, pbwsf__pairs *out)
+{
+    size_t i, at = 0;
+    int good = 1;
+    for (i = 0; good && i < list->count && !pbwm3__ends_at(w, i, 64); i++) {
+        const uint64_t key = pbwm3__edge_key(list->at[i]);
+        pbw_index piece[2] = { list->at[i][0], PBW_NONE };
+        int broken = 0;
+        while (at < breaks->count && pbwm3__break_key(w, breaks->at + at, 1) < key) {
+            at++;
+        }
+        while (good && piece[0] != list->at[i][1]) {
+            const int more = at < breaks->count && pbwm3__break_key(w, breaks->at + at, 1) == key;
+            double outside;
+            broken |= more;
+            piece[1] = more ? breaks->at[at++].vertex : list->at[i][1];
+            outside = piece[0] == piece[1] ? 0 : pbwm3__outside_of(w, piece[0], piece[1]);
+            good = !(broken && w->input->patches == NULL ? pbwm3__is_kink(w, outside) : outside > 0 && outside < 1)
+                || PBWM3__APPEND(w, *out, piece);
+            piece[0] = piece[1];
+        }
+    }
+    return good;
+}
+
+/* Returns whether two vertices are on one sharp edge of a triangle. */
+static int pbwm3__is_along(const pbwm3__work *w, pbw_index triangle, const pbw_index *ends, const pbwsf__pairs *sharp)
+{
+    const pbw_index *c = w->surface.triangles + 3 * (size_t)triangle;
+    int i, k;
+    for (k = 0; k < 3; k++) {
+        const pbw_index edge[2] = { c[k], c[(k + 1) % 3] };
+        const uint64_t key = pbwm3__edge_key(edge);
+        const size_t at = pbwm3__find_edge(sharp, key);
+        for (i = 0; i < 2 && pbwm3__is_on_edge(w, ends[i], edge); i++) {
+        }
+        if (i == 2 && at < sharp->count && pbwm3__edge_key(sharp->at[at]) == key) {
+            return 1;
+        }
+    }
+    return 0;
+}
+
+/* Adds the segments of curves at which the union is sharp, but along sharp edges. */
+static int pbwm3__list_curves(pbwm3__work *w, const pbwsf__pairs *ends, const pbwsf__pairs *sharp, pbwsf__pairs *out)
+{
+    size_t i;
+    int good = 1;
+    for (i = 0; good && i < ends->count && !pbwm3__ends_at(w, i, 64); i++) {
+        const pbw_index *pair = w->crossing.at[i], *e = ends->at[i];
+        double n[2][3];
+        pbwsf__normal_of(&w->surface, pair[0], n[0]);
+        pbwsf__normal_of(&w->surface, pair[1], n[1]);
+        good = e[0] == e[1] || pbwim__turned_less(n[0], n[1], w->cosine) || pbwm3__is_along(w, pair[0], e, sharp)
+            || pbwm3__is_along(w, pair[1], e, sharp) || !pbwm3__is_kink(w, pbwm3__outside_of(w, e[0], e[1]))
+            || PBWM3__APPEND(w, *out, e);
+    }
+    return good;
+}
+
+/* Drops curves, connected edges from `fixed` on, that are shorter than four sizes together. */
+static int pbwm3__drop_short(pbwm3__work *w, size_t fixed, pbwsf__pairs *list)
+{
+    pbwsf__counts parents = { NULL, 0, 0 };
+    pbwsf__numbers lengths = { NULL, 0, 0 };
+    pbwm3__graph graph;
+    size_t i, kept = fixed;
+    int good;
+    memset(&graph, 0, sizeof graph);
+    graph.ends = list->at;
+    graph.count = list->count;
+    good = pbwm3__measure_parts(w, &graph, fixed, &parents, &lengths);
+    for (i = fixed; good && i < list->count; i++) {
+        if (lengths.at[pbwm3__root_of(parents.at, list->at[i][0])] > 4 * w->size) {
+            memmove(list->at[kept++], list->at[i], sizeof *list->at);
+        }
+    }
+    list->count = good ? kept : list->count;
+    PBW_RELEASE(&w->memory, parents);
+    PBW_RELEASE(&w->memory, lengths);
+    return good;
+}
+
+/* Returns whether two triangles of a pair lie on each other, turned alike.  Then many pairs give pieces of one line,
+   cut at different places. */
+static int pbwm3__are_layers(const pbwm3__work *w)
+{
+    size_t i;
+    int k;
+    for (i = 0; i < w->crossing.count; i++) {
+        const pbw_index t = w->crossing.at[i][0], u = w->crossing.at[i][1];
+        double n[2][3];
+        const double *a = pbwsf__corner(&w->surface, t, 0), *b = pbwsf__corner(&w->surface, t, 1);
+        const double *c = pbwsf__corner(&w->surface, t, 2);
+        for (k = 0; k < 3 && pbw_orient3(a, b, c, pbwsf__corner(&w->surface, u, k)) == 0; k++) {
+        }
+        pbwsf__normal_of(&w->surface, t, n[0]);
+        pbwsf__normal_of(&w->surface, u, n[1]);
+        if (k == 3 && pbwsf__dot(n[0], n[1]) > 0) {
+            return 1;
+        }
+    }
+    return 0;
+}
+
+/* Makes of the sharp edges of the surface those of the union. */
+static pbw_status pbwm3__join_edges(pbwm3__work *w, pbwsf__pairs *list)
+{
+    pbwsf__pairs ends = { NULL, 0, 0 }, out = { NULL, 0, 0 }, curves = { NULL, 0, 0 };
+    pbwm3__breaks breaks = { NULL, 0, 0 };
+    pbw_status status = pbwm3__weld_ends(w, &ends);
+    size_t i, fixed;
+    int good = status == PBW_OK;
+    for (i = 0; good && i < 4 * ends.count; i++) {
+        good = pbwm3__list_breaks(w, ends.at[i / 4][i % 2], w->crossing.at[i / 4][i / 2 % 2], &breaks);
+    }
+    status = good ? pbwm3__sort_breaks(w, &breaks) : status;
+    status = good && status == PBW_OK ? pbwm3__sort_ends(w, list) : status;
+    good = good && status == PBW_OK && pbwm3__cut_edges(w, &breaks, list, &out)
+        && pbwm3__list_curves(w, &ends, list, &curves);
+    status = good ? pbwm3__sort_ends(w, &curves) : status;
+    fixed = out.count;
+    for (i = 0; good && status == PBW_OK && i < curves.count; i++) {
+        good = PBWM3__APPEND(w, out, curves.at[i]);
+    }
+    good = good && status == PBW_OK && pbwm3__drop_short(w, fixed, &out);
+    PBW_RELEASE(&w->memory, *list);
+    *list = out;
+    w->report->sharp_edges = list->count;
+    PBW_RELEASE(&w->memory, ends);
+    PBW_RELEASE(&w->memory, curves);
+    PBW_RELEASE(&w->memory, breaks);
+    return status != PBW_OK ? status : good ? PBW_OK : PBW_ERROR_MEMORY;
+}
+
+/* ------------------------------------------------------------------------------------------------------
    >>chains       Sharp edges chained between corners, and the patches that they bound.
    In: the surface.  Out: `chains` of the sharp edges that are kept; per triangle its part and its patch; sets of the
    patches that meet at edges and corners.
@@ -2126,30 +2548,6 @@ static int pbwm3__walk_chain(pbwm3__work *w, pbwm3__graph *g, pbw_index v, size_
 
 /* ---- patches at sharp edges and corners ---- */
 
-typedef struct pbwm3__stars { pbwsf__counts first, at; } pbwm3__stars;    /* triangles at vertex v: as in the graph */
-
-static int pbwm3__make_stars(pbwm3__work *w, pbwm3__stars *stars)
-{
-    const size_t points = w->surface.point_count, count = 3 * w->surface.triangle_count;
-    size_t *first, i;
-    if (!PBW_FIT(&w->memory, stars->first, points + 2)
-        || !PBW_FIT(&w->memory, stars->at, count + 1)) {
-        return 0;
-    }
-    first = stars->first.at;
-    memset(first, 0, (points + 2) * sizeof *first);
-    for (i = 0; i < count; i++) {
-        first[w->surface.triangles[i] + 2]++;
-    }
-    for (i = 0; i < points; i++) {
-        first[i + 2] += first[i + 1];
-    }
-    for (i = 0; i < count; i++) {
-        stars->at.at[first[w->surface.triangles[i] + 1]++] = i / 3;
-    }
-    return 1;
-}
-
 /* Returns the number of a new set, of the patches of the triangles with corners u and v, which may be one vertex;
    (size_t)-1 if there is no memory. */
 static size_t pbwm3__set_at(pbwm3__work *w, const pbwm3__stars *stars, pbw_index u, pbw_index v)
@@ -2160,12 +2558,11 @@ static size_t pbwm3__set_at(pbwm3__work *w, const pbwm3__stars *stars, pbw_index
     set.first = w->members.count;
     set.count = 0;
     for (i = first[u]; i < first[u + 1]; i++) {
-        const pbw_index *c = w->surface.triangles + 3 * at[i];
         const pbw_index patch = w->patch.at[at[i]];
         const pbw_index *member = w->members.at + set.first;
         for (k = 0; k < set.count && member[k] != patch; k++) {
         }
-        if (k == set.count && (c[0] == v || c[1] == v || c[2] == v)) {
+        if (k == set.count && (u == v || pbwm3__is_at(stars, v, at[i]))) {
             if (!PBW_PUSH(&w->memory, w->members, patch)) {
                 return (size_t)-1;
             }
@@ -2283,9 +2680,15 @@ static pbw_status pbwm3__find_chains(pbwm3__work *w)
 {
     pbwsf__pairs list = { NULL, 0, 0 };
     pbwm3__graph graph;
+    pbw_status status = PBW_OK;
     int good;
     memset(&graph, 0, sizeof graph);
     good = pbwm3__find_patches(w, &list) && (!w->open || pbwm3__drop_noise(w, &list));
+    w->kinks = good && w->joined && w->report->sharp != PBW_SOLID_SHARP_NONE && !pbwm3__are_layers(w);
+    if (w->kinks) {
+        status = pbwm3__join_edges(w, &list);
+    }
+    good = good && status == PBW_OK;
     graph.ends = list.at;
     graph.count = list.count;
     good = good && pbwm3__chain_all(w, &graph);
@@ -2293,7 +2696,7 @@ static pbw_status pbwm3__find_chains(pbwm3__work *w)
     PBW_RELEASE(&w->memory, graph.first);
     PBW_RELEASE(&w->memory, graph.at);
     PBW_RELEASE(&w->memory, graph.used);
-    return pbwm3__has_ended(w) ? PBW_CANCELLED : good ? PBW_OK : PBW_ERROR_MEMORY;
+    return pbwm3__has_ended(w) ? PBW_CANCELLED : good || status != PBW_OK ? status : PBW_ERROR_MEMORY;
 }
 
 /* Number i of a stream, from 0 to 1. */
@@ -2841,8 +3244,7 @@ static pbw_status pbwm3__sample_sharp(pbwm3__work *w)
         good = pbwm3__sample_chain(w, &stars, i, corner.at);
     }
     PBW_RELEASE(&w->memory, corner);
-    PBW_RELEASE(&w->memory, stars.first);
-    PBW_RELEASE(&w->memory, stars.at);
+    pbwm3__free_stars(w, &stars);
     return !good ? PBW_ERROR_MEMORY : pbwm3__ends(w) ? PBW_CANCELLED : PBW_OK;
 }
 
@@ -2885,6 +3287,11 @@ static void pbwm3__throw_dart(const pbwm3__throw *b, uint64_t i, pbwm3__dart *da
                     : w->patch.at[low];
         dart->size = size;
         dart->stays = pbwm3__nearest(w, dart->p, 0.65 * size, PBWM3__SHARP, PBWM3__SMOOTH) == PBW_NONE;
+    }
+    if (dart->stays && w->kinks) {
+        double out[3] = { 0, 0, 0 };
+        pbwm3__add_outward(w, (pbw_index)low, out);
+        dart->stays = pbwm3__is_outer(w, dart->p, out);
     }
 }
 
@@ -3124,15 +3531,16 @@ static int pbwm3__is_flat(const pbwm3__work *w, const pbw_index c[4], int bridge
     return pbw_surface_closest(&w->surface, middle, 0.16 * size, place) != PBW_NONE;
 }
 
-/* Returns whether a tetrahedron's corners are all on the surface but on no common patch: it joins two sides of a
-   sharp edge or of a thin wall.  Its middle gives the label, as beneath acute edges the circumcentre is beyond the
-   other side. */
+/* Returns whether a tetrahedron's corners are all on the surface but on no common patch, or some where shells cross,
+   as patches go on there: it joins two sides of a sharp edge or of a thin wall.  Its middle gives the label, as
+   beneath acute edges the circumcentre is beyond the other side. */
 static int pbwm3__bridges(const pbwm3__work *w, const pbw_index c[4])
 {
-    int i;
+    int i, sharp = 0;
     for (i = 0; i < 4 && w->kind.at[c[i]] != PBWM3__INSIDE; i++) {
+        sharp |= w->kind.at[c[i]] == PBWM3__SHARP;
     }
-    return i == 4 && pbwm3__common_patch(w, c, 4) == PBW_NONE;
+    return i == 4 && ((w->kinks && sharp) || pbwm3__common_patch(w, c, 4) == PBW_NONE);
 }
 
 static void pbwm3__middle(const double *const p[4], double middle[3])
@@ -3157,11 +3565,18 @@ static int pbwm3__label_outside(const pbwm3__work *w, const double *const p[4], 
     double middle[3], place[3];
     pbw_index t;
     size_t around;
-    if (!w->nested && !w->walls) {
+    if (!w->nested && !w->walls && !w->kinks) {
         return 0;
     }
     pbwm3__middle(p, middle);
     t = pbw_surface_closest(&w->surface, middle, HUGE_VAL, place);
+    if (w->kinks) {                                  /* in the depth of the union none is outside */
+        double out[3] = { 0, 0, 0 };
+        if (t != PBW_NONE) {
+            pbwm3__add_outward(w, t, out);
+        }
+        return t != PBW_NONE && !pbwm3__is_outer(w, place, out) ? pbwm3__inside(w, middle) : 0;
+    }
     if (w->walls && t != PBW_NONE) {
         const pbw_index patch = w->whole ? PBW_NONE : pbwm3__common_patch(w, c, 4);
         const pbw_index at = patch == PBW_NONE ? t : w->firsts.at[patch];
@@ -3200,6 +3615,59 @@ static pbw_status pbwm3__label_range(void *arg, size_t from, size_t to)
     return PBW_OK;
 }
 
+/* Adds the tetrahedra that are labelled -1 and connected with the last of the queue, which is; they become 0. */
+static int pbwm3__flood_outside(pbwm3__work *w, pbwsf__indices *queue)
+{
+    int *label = w->label.at, good = 1;
+    size_t i, done;
+    for (done = queue->count - 1; good && done < queue->count; done++) {
+        for (i = 0; good && i < 4; i++) {
+            const pbw_index next = w->mesh.neighbors[4 * (size_t)queue->at[done] + i];
+            if (next != PBW_NONE && label[next] == -1) {
+                label[next] = 0;
+                good = PBW_PUSH(&w->memory, *queue, next);
+            }
+        }
+    }
+    return good;
+}
+
+/* With kinks: connected tetrahedra outside that do not reach the hull are inside, unless the middle of
+   one is outside.  Returns 0 if there is no memory. */
+static int pbwm3__close_voids(pbwm3__work *w)
+{
+    const size_t count = w->mesh.simplex_count;
+    int *label = w->label.at, good = 1, hull;
+    pbwsf__indices queue = { NULL, 0, 0 };
+    size_t t, i;
+    for (t = 0; t < count; t++) {                    /* -1: not reached */
+        label[t] = label[t] == 0 ? -1 : label[t];
+    }
+    for (hull = 1; hull >= 0; hull--) {
+        for (t = 0; good && t < count; t++) {
+            const pbw_index *next = w->mesh.neighbors + 4 * t;
+            int outside = hull;
+            if (label[t] != -1 || (hull && next[0] != PBW_NONE && next[1] != PBW_NONE && next[2] != PBW_NONE
+                                   && next[3] != PBW_NONE)) {
+                continue;
+            }
+            queue.count = 0;
+            label[t] = 0;
+            good = PBW_PUSH(&w->memory, queue, (pbw_index)t) && pbwm3__flood_outside(w, &queue);
+            for (i = 0; good && !outside && i < queue.count; i++) {
+                const pbw_index *c = w->mesh.simplices + 4 * (size_t)queue.at[i];
+                const double *const p[4] = { w->x.at[c[0]], w->x.at[c[1]], w->x.at[c[2]], w->x.at[c[3]] };
+                outside = pbwm3__label_of_middle(w, p) == 0;
+            }
+            for (i = 0; good && !outside && i < queue.count; i++) {
+                label[queue.at[i]] = 1;
+            }
+        }
+    }
+    PBW_RELEASE(&w->memory, queue);
+    return good;
+}
+
 static pbw_status pbwm3__rebuild(pbwm3__work *w)
 {
     pbw_options options;
@@ -3218,7 +3686,8 @@ static pbw_status pbwm3__rebuild(pbwm3__work *w)
             return PBW_ERROR_MEMORY;
         }
     }
-    return pbw_for(pbwm3__inner_options(w), w->mesh.simplex_count, 256, pbwm3__label_range, w);
+    status = pbw_for(pbwm3__inner_options(w), w->mesh.simplex_count, 256, pbwm3__label_range, w);
+    return status != PBW_OK ? status : !w->kinks || pbwm3__close_voids(w) ? PBW_OK : PBW_ERROR_MEMORY;
 }
 
 static int pbwm3__label_of(const pbwm3__work *w, pbw_index t)
@@ -4567,6 +5036,9 @@ static void pbwm3__free(pbwm3__work *w)
     PBW_RELEASE(&w->memory, w->kept.set);
     PBW_RELEASE(&w->memory, w->kept.pieces);
     PBW_RELEASE(&w->memory, w->vertices);
+    PBW_RELEASE(&w->memory, w->crossing);
+    PBW_RELEASE(&w->memory, w->segments);
+    PBW_RELEASE(&w->memory, w->crossed);
     PBW_RELEASE(&w->memory, w->triangles);
     PBW_RELEASE(&w->memory, w->origin);
     PBW_RELEASE(&w->memory, w->shell);

@@ -1310,9 +1310,12 @@ static int pbwsf__test_leaf(const pbwsf__search *s, size_t at, pbwsf__keys *pair
 
 typedef struct pbwsf__common { double at[14][3]; int count; } pbwsf__common;
 
-/* Adds where a side of t meets u: a point, or in one plane the ends of the part in u. */
-static void pbwsf__add_common(const double *const x[3], const double *a, const double *b, pbwsf__common *out)
+/* Adds where a side of t meets u: a point, or in one plane the ends of the part in u.  The lower end of a side is the
+   first, so that it meets u in the same point as side of another triangle. */
+static void pbwsf__add_common(const double *const x[3], const double *p, const double *q, pbwsf__common *out)
 {
+    const int turned = q[0] < p[0] || (q[0] <= p[0] && (q[1] < p[1] || (q[1] <= p[1] && q[2] < p[2])));
+    const double *a = turned ? q : p, *b = turned ? p : q;
     const int above = pbw_orient3(x[0], x[1], x[2], a), below = pbw_orient3(x[0], x[1], x[2], b);
     double n[3], from = 0, to = 1;
     int k;
@@ -1329,21 +1332,24 @@ static void pbwsf__add_common(const double *const x[3], const double *a, const d
         from = to = height + depth > 0 ? height / (height + depth) : 0.5;
     }
     for (k = 0; k < 3 && above == 0 && below == 0; k++) {
-        double side[3], inward[3], u[3], v[3], p, q;
+        double side[3], inward[3], u[3], v[3], at_a, at_b;
         pbwsf__minus(x[(k + 1) % 3], x[k], side);
         pbwsf__cross(n, side, inward);
         pbwsf__minus(a, x[k], u);
         pbwsf__minus(b, x[k], v);
-        p = pbwsf__dot(inward, u);
-        q = pbwsf__dot(inward, v);
-        if (p < 0 && q > p) {
-            from = fmax(from, fmin(1, p / (p - q)));
-        } else if (q < 0 && p > q) {
-            to = fmin(to, p / (p - q));
+        at_a = pbwsf__dot(inward, u);
+        at_b = pbwsf__dot(inward, v);
+        if (at_a < 0 && at_b > at_a) {
+            from = fmax(from, fmin(1, at_a / (at_a - at_b)));
+        } else if (at_b < 0 && at_a > at_b) {
+            to = fmin(to, at_a / (at_a - at_b));
         }
     }
-    pbwsf__between(a, b, from, out->at[out->count++]);
-    pbwsf__between(a, b, fmax(from, to), out->at[out->count++]);
+    to = fmax(from, to);
+    for (k = 0; k < 2; k++) {                        /* rounding must not move an end */
+        const double t = k == 0 ? from : to;
+        pbwsf__between(t < 1 ? a : b, b, t < 1 ? t : 0, out->at[out->count++]);
+    }
 }
 
 /* Of the caller's corners: room for those of places is freed. */
