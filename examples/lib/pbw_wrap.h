@@ -22,6 +22,7 @@
      >>cavity       a point is inserted
      >>carve        gates in rounds: verdicts on all threads, then what they ask for
      >>manifold     tetrahedra that make each vertex's star one fan
+     >>fill         vertices inside
      >>result       the arrays of the caller
      >>stages       all of it in order
 
@@ -99,6 +100,8 @@ typedef struct pbw_wrap_options {          /* NULL or all zero = best defaults *
                                               the time, a few percent to a quarter more facets */
     int closing;                           /* 1: where the wrap is a shell around an open surface, looks for an alpha
                                               that closes it, in about twice the time; not with alpha_at */
+    double fill;                           /* length of edges inside, about: vertices there make tetrahedra rounder;
+                                              0 = none, but those that the surface needed */
     double most;                           /* tetrahedra; 0 = 50 million */
 } pbw_wrap_options;
 
@@ -1136,6 +1139,96 @@ done:
 }
 
 /* ------------------------------------------------------------------------------------------------------
+   >>fill         Vertices inside.
+   In: cells, carved or not.  Out: cells that are not carved, of the size; those that are carved, and with them the
+   surface, are as they were: a vertex is inserted only where it is in conflict with none of these.
+   ------------------------------------------------------------------------------------------------------ */
+#define PBWWR__SLENDER 2.0                 /* cells with a larger radius, by their shortest edge, get a vertex */
+
+/* Whether a cell shall have a vertex in its centre. */
+static int pbwwr__is_coarse(const pbwwr__work *w, pbwwr__cell *cell)
+{
+    const double *c[4], radius = pbwsf__distance(pbwwr__centre(w, cell), w->x.at[cell->corner[0]]);
+    double shortest = HUGE_VAL;
+    int i, k;
+    pbwwr__corners(w, cell, c);
+    for (i = 1; i < 4; i++) {
+        for (k = 0; k < i; k++) {
+            shortest = fmin(shortest, pbwsf__distance(c[i], c[k]));
+        }
+    }
+    return radius > 0.8 * w->how->fill || radius > PBWWR__SLENDER * shortest;
+}
+
+/* Inserts the centre of a cell, if that leaves all carved cells.  New vertices are farther from all others than the
+   shortest edge of the cell, or than 0.8 of the size: so it ends. */
+static pbw_status pbwwr__fill_cell(pbwwr__work *w, pbw_index cell)
+{
+    double place[3];
+    pbw_status status;
+    size_t i;
+    unsigned k;
+    memcpy(place, w->cells.at[cell].centre, sizeof place);
+    if (pbwwr__conflict(w, cell, place) <= 0) {
+        return PBW_OK;
+    }
+    if (!PBW_RESERVE(&w->memory, w->x, 1) || !pbwwr__find_conflicts(w, cell, place)) {
+        return PBW_ERROR_MEMORY;
+    }
+    for (i = 0; i < w->star.count; i++) {
+        for (k = 0; k < 4; k++) {                    /* not outside of the box, either */
+            if (w->cells.at[w->star.at[i]].carved || w->cells.at[w->star.at[i]].next[k] == PBW_NONE) {
+                w->born.count = 0;
+                return PBW_OK;
+            }
+        }
+    }
+    memcpy(w->x.at[w->x.count], place, sizeof *w->x.at);
+    status = pbwwr__fill_cavity(w, (pbw_index)w->x.count++);
+    return status;
+}
+
+static pbw_status pbwwr__fill(pbwwr__work *w)
+{
+    const double most = w->how->most > 0 ? w->how->most : 5e7;
+    PBW_ARRAY(pbwwr__gate) queue = { NULL, 0, 0 };   /* cells, as they were when they came */
+    pbw_status status = PBW_OK;
+    size_t i, done;
+    pbwwr__gate at;
+    memset(&at, 0, sizeof at);
+    for (i = 0; i < w->cells.count && status == PBW_OK; i++) {
+        at.cell = (pbw_index)i;
+        at.born = w->cells.at[i].born;
+        if (w->cells.at[i].corner[0] != PBW_NONE && !w->cells.at[i].carved && !PBW_PUSH(&w->memory, queue, at)) {
+            status = PBW_ERROR_MEMORY;
+        }
+    }
+    for (done = 0; done < queue.count && status == PBW_OK; done++) {
+        pbwwr__cell *cell;
+        at = queue.at[done];
+        cell = w->cells.at + at.cell;
+        if (done % 1024 == 1023 && pbwwr__progress(w, PBW_STAGE_WORK, 0)) {
+            status = PBW_CANCELLED;
+        } else if (cell->corner[0] == PBW_NONE || cell->born != at.born || !pbwwr__is_coarse(w, cell)) {
+            continue;
+        } else if ((double)w->alive > most) {
+            w->report->refusal = PBW_WRAP_LARGE;
+            status = PBW_ERROR_TOO_LARGE;
+        } else {
+            w->born.count = 0;
+            status = pbwwr__fill_cell(w, at.cell);
+        }
+        for (i = 0; i < w->born.count && status == PBW_OK; i++) {
+            at.cell = w->born.at[i];
+            at.born = w->cells.at[at.cell].born;
+            status = PBW_PUSH(&w->memory, queue, at) ? PBW_OK : PBW_ERROR_MEMORY;
+        }
+    }
+    PBW_RELEASE(&w->memory, queue);
+    return status;
+}
+
+/* ------------------------------------------------------------------------------------------------------
    >>result       The arrays of the caller.
    In: cells, carved or not.  Out: points along a curve, those of the surface first; tetrahedra by their first points;
    facets in the order of their tetrahedra, with the nearest elements.
@@ -1702,6 +1795,7 @@ static pbw_status pbwwr__run(pbwwr__work *w, const pbw_wrap_input *in, pbw_wrap_
     r->seconds[1] = ((double)clock() - start) / CLOCKS_PER_SEC;
     start = (double)clock();
     w->done = fmax(w->done, 0.9);
+    status = status == PBW_OK && w->how->fill > 0 ? pbwwr__fill(w) : status;
     status = status != PBW_OK ? status : pbwwr__output(w, wrap);
     if (status == PBW_OK && pbwwr__is_thin(w)) {
         status = pbwwr__count_open(w, in);
@@ -1751,6 +1845,7 @@ PBWWRAPDEF pbw_status pbw_wrap(const pbw_wrap_input *input, const pbw_wrap_optio
         memset(wrap, 0, sizeof *wrap);
     }
     if (input == NULL || wrap == NULL || !(w.how->alpha >= 0) || !(w.how->offset >= 0)
+        || !(w.how->fill >= 0)
         || (input->triangle_count > 0 && input->triangles == NULL)
         || (input->segment_count > 0 && input->segments == NULL)
         || (input->single_count > 0 && input->singles == NULL) || (w.how->seed_count > 0 && w.how->seeds == NULL)) {
