@@ -906,6 +906,12 @@ printf '1 1 1\n1 1 1\n' > still.xyz
 check "all at one place" says 1 "still.xyz: all of it is at one place; --alpha says" wrap still.xyz
 printf '1e12 1 1\n1e12 2 3\n' > distant.xyz
 check "far from the origin" says 1 "is below 1e-9 of its largest coordinate; a larger --offset" wrap distant.xyz
+check "solid --wrap" says 0 "below 5, 10, 20, 30: 0, 0, 0, " solid lid.obj --wrap --size 0.5 --alpha 0.6 -o filled.vtu
+check "both distances" grep -q "the boundary is up to .* sizes from the boundary" said
+check "a solid of points" says 0 "7 tetrahedra, 7 points" solid seeds.xyz --wrap --size 4 --alpha 20 --target 20
+check "solid --wrap --size: a formula" says 2 "with --wrap it is a number above 0" solid lid.obj --wrap --size x
+check "solid --wrap --sharp" says 2 "--wrap and --sharp none exclude each other" solid lid.obj --wrap --sharp none
+check "solid --alpha alone" says 2 "--alpha 1: it needs --wrap" solid lid.obj --alpha 1
 check "wrap --most" says 1 "more tetrahedra than --most allows" wrap lid.obj --most 100
 check "a hole is listed" says 0 "hole: 46 facets, area 2, centre (1, 0.5, 1)" solid lid.obj --size 0.4 --patches
 for word in g o usemtl; do

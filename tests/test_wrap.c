@@ -235,6 +235,40 @@ static void find_elements(void)
     pbw_wrap_free(&w);
 }
 
+/* Vertices inside leave the surface as it is. */
+static void fill(void)
+{
+    static shape s;
+    pbw_wrap_options how;
+    pbw_wrap_result w, filled;
+    size_t t, i, k, coarse[2] = { 0, 0 };
+    memset(&s, 0, sizeof s);
+    memset(&how, 0, sizeof how);
+    add_sphere(&s, 1, 0.9);
+    how.alpha = 0.4;
+    CHECK_EQUAL(pbw_wrap(&s.in, &how, NULL, &w, NULL), PBW_OK);
+    how.fill = 0.2;
+    CHECK_EQUAL(pbw_wrap(&s.in, &how, NULL, &filled, NULL), PBW_OK);
+    CHECK(wraps_fault(&s.in, &filled, 20) == NULL);
+    CHECK_EQUAL(filled.vertex_count, w.vertex_count);
+    CHECK_EQUAL(filled.facet_count, w.facet_count);
+    CHECK(memcmp(filled.points, w.points, 24 * w.vertex_count) == 0);
+    for (k = 0; k < 2; k++) {
+        const pbw_wrap_result *r = k == 0 ? &w : &filled;
+        for (t = 0; t < r->tet_count; t++) {
+            for (i = 0; i < 3; i++) {
+                const double *a = r->points + 3 * (size_t)r->corners[4 * t + i];
+                const double *b = r->points + 3 * (size_t)r->corners[4 * t + i + 1];
+                coarse[k] += sqrt((a[0] - b[0]) * (a[0] - b[0]) + (a[1] - b[1]) * (a[1] - b[1])
+                                  + (a[2] - b[2]) * (a[2] - b[2])) > 1;
+            }
+        }
+    }
+    CHECK(filled.point_count > 2 * w.point_count && coarse[0] > 10 && coarse[1] < coarse[0] / 4);
+    pbw_wrap_free(&w);
+    pbw_wrap_free(&filled);
+}
+
 /* ---- refusals ---- */
 
 static void check_refusal(const double *x, size_t points, double alpha, double offset, pbw_status status, int refusal)
@@ -438,6 +472,7 @@ int main(int argc, char **argv)
     static const struct { const char *name; void (*run)(void); } tests[] = {
         { "soups", wrap_soups }, { "elements without area", wrap_degenerate }, { "a cavity", wrap_cavity },
         { "a shell", wrap_shell }, { "alpha by place", wrap_by_place }, { "nearest elements", find_elements },
+        { "vertices inside", fill },
         { "refusals", refuse }, { "threads", run_threads }, { "memory and cancelling", fail_everywhere },
         { "faults are seen", see_faults }
     };

@@ -189,7 +189,7 @@ enum {
 #define PBWWR__NEAREST 1e-9                /* least offset, by the largest coordinate */
 #define PBWWR__HIT 1e-3                    /* rule 1 stops so near above the offset, by the offset */
 #define PBWWR__THIN 6                      /* a shell is thinner than so many offsets ... */
-#define PBWWR__ROUNDED 3                   /* ... or than alpha by that: its edges and corners are rounded off */
+#define PBWWR__ROUNDED 2                   /* ... or than alpha by that: its edges and corners are rounded off */
 
 enum { PBWWR__UNKNOWN, PBWWR__APART, PBWWR__MEETS };
 
@@ -1751,15 +1751,43 @@ static pbw_status pbwwr__count_open(pbwwr__work *w, const pbw_wrap_input *in)
     return status;
 }
 
-static int pbwwr__is_thin(const pbwwr__work *w)
+/* Whether the wrap is thick, or has a place inside that is farther than alpha from all elements, which no shell has.
+   Looks at centroids, and at centres that are in their cells. */
+static int pbwwr__is_closed(pbwwr__work *w)
 {
     double volume, area;
-    size_t tets, facets;
+    size_t i, tets, facets;
+    int k, j;
     pbwwr__measure(w, &volume, &area, &tets, &facets);
-    return 2 * volume < fmax(PBWWR__THIN * w->offset, w->alpha / PBWWR__ROUNDED) * area;
+    if (2 * volume > fmax(PBWWR__THIN * w->offset, w->alpha / PBWWR__ROUNDED) * area) {
+        return 1;
+    }
+    for (i = 0; i < w->cells.count; i++) {
+        const double *c[4], *s[4];
+        double place[3], middle[3];
+        int within = 1;
+        if (!pbwwr__is_kept(w, i)) {
+            continue;
+        }
+        pbwwr__corners(w, w->cells.at + i, c);
+        for (k = 0; k < 3; k++) {
+            middle[k] = (c[0][k] + c[1][k] + c[2][k] + c[3][k]) / 4;
+        }
+        (void)pbwwr__centre(w, w->cells.at + i);
+        for (j = 0; j < 4; j++) {
+            memcpy((void *)s, (const void *)c, sizeof s);
+            s[j] = w->cells.at[i].centre;
+            within &= pbw_orient3(s[0], s[1], s[2], s[3]) > 0;
+        }
+        if (pbw_surface_closest(&w->surface, middle, w->alpha, place) == PBW_NONE
+            || (within && pbw_surface_closest(&w->surface, w->cells.at[i].centre, w->alpha, place) == PBW_NONE)) {
+            return 1;
+        }
+    }
+    return 0;
 }
 
-/* Looks for the least alpha that makes no shell: doubles it until there is one, and bisects four times. */
+/* Looks for the least alpha that makes no shell: raises it until there is one, and bisects three times. */
 static pbw_status pbwwr__find_closing(pbwwr__work *w, double *closing)
 {
     pbw_wrap_report other = *w->report, *const report = w->report;
@@ -1768,11 +1796,11 @@ static pbw_status pbwwr__find_closing(pbwwr__work *w, double *closing)
     pbw_status status = PBW_OK;
     int i;
     w->report = &other;
-    for (i = 0; status == PBW_OK && i < 4 && shell < most;) {
-        status = pbwwr__set_lengths(w, closed > 0 ? sqrt(shell * closed) : 2 * shell);
+    for (i = 0; status == PBW_OK && i < 3 && shell < most;) {
+        status = pbwwr__set_lengths(w, closed > 0 ? sqrt(shell * closed) : 1.4 * shell);
         status = status != PBW_OK ? status : pbwwr__wrap(w);
         i += closed > 0;
-        if (status == PBW_OK && pbwwr__is_thin(w)) {
+        if (status == PBW_OK && !pbwwr__is_closed(w)) {
             shell = w->alpha;
         } else if (status == PBW_OK) {
             closed = w->alpha;
@@ -1797,7 +1825,7 @@ static pbw_status pbwwr__run(pbwwr__work *w, const pbw_wrap_input *in, pbw_wrap_
     w->done = fmax(w->done, 0.9);
     status = status == PBW_OK && w->how->fill > 0 ? pbwwr__fill(w) : status;
     status = status != PBW_OK ? status : pbwwr__output(w, wrap);
-    if (status == PBW_OK && pbwwr__is_thin(w)) {
+    if (status == PBW_OK && !pbwwr__is_closed(w)) {
         status = pbwwr__count_open(w, in);
         r->shell = r->open_edges > 0 || in->triangle_count == 0;
     }

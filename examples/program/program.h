@@ -332,6 +332,11 @@ int is_pbwt(const job *j);                                           /* is the i
 int check_pbwt(job *j);
 int convert_pbwt(job *j, pbw_mesh *mesh);                          /* the tile of --tile; pbwtf_mesh_free when done */
 
+/* ---- wrap.c ---- */
+
+extern const option wrapping_options[];
+int wrap_solid(job *j);                              /* pbw solid --wrap */
+
 /* ---- surface.c ---- */
 
 /* Reports the faults of a surface; details: where they are.  Returns whether it has an inside. */

@@ -18,6 +18,8 @@ static const option solid_options[] = {
     { "--sharp", "WHICH", "sharp edges to keep: all, some (those that are sharp at the scale of the size), none,\n"
       "or auto, the default: by how many of them are", CHOICE, 0, 0, sharp_names },
     { "--close", NULL, "closes large holes, and fills thin sheets, which are refused else", SWITCH, 0, 0, NULL },
+    { "--wrap", NULL, "fills a wrap of the model instead: any faces, segments and points, with holes,\n"
+      "crossings and gaps; sharp edges are rounded off by about alpha", SWITCH, 0, 0, NULL },
     { "--keep-faults", NULL, "writes a boundary that is no manifold, too", SWITCH, 0, 0, NULL },
     OPTION_MOST("tetrahedra"),
     { "--patches", NULL, "list patches: the groups of the model, which are kept anyway; of a model without\n"
@@ -402,7 +404,11 @@ static int run(job *j)
     naming names;
     sizing sizes;
     size_t i;
-    int failed = load_sizes(j, 0);
+    int failed;
+    if (is_given(j, "--wrap")) {
+        return wrap_solid(j);
+    }
+    failed = load_sizes(j, 0);
     failed = failed ? failed : complete_groups(j);
     if (failed) {
         return failed;
@@ -466,6 +472,7 @@ const command command_solid = {
     "         (boundary), .svg (picture), .html (page to look around in); any number of them\n"
     "\n",
     .writes = "vtu msh msh2 mesh inp su2 node ele neigh face obj ply stl off svg html",
-    .options = { solid_options, look_options, build_options, output_options, text_options, common_options, NULL },
+    .options = { solid_options, wrapping_options, look_options, build_options, output_options, text_options,
+                 common_options, NULL },
     .run = run,
 };

@@ -3,13 +3,18 @@
    nearest triangles, the tetrahedra inside of it, and a report. */
 #include "program.h"
 
-static const option wrap_options[] = {
-    OPTION_ALPHA("radius of a ball that does not pass: holes and gaps below twice that are closed;\n"
-                 "default: 1/50 of the diagonal"),
-    { "--offset", "D", "distance of the wrap's points from the model; default: 1/30 of alpha", POSITIVE, 0, 0, NULL },
-    { "--cavities", "FILE", "points: cavities with one of them are carved from inside, too", PLAIN, 0, 0, NULL },
+const option wrapping_options[] = {
+    OPTION_ALPHA("of wraps: radius of a ball that does not pass, so that holes and gaps below twice\n"
+                 "that are closed; default: 1/50 of the diagonal, of solids half the size"),
+    { "--offset", "D", "of wraps: distance of points from the model; default: 1/30 of alpha", POSITIVE, 0, 0, NULL },
+    { "--cavities", "FILE", "of wraps: points; cavities with one of them are carved from inside, too", PLAIN, 0, 0,
+      NULL },
     { "--all-points", NULL, "wraps points that are corners of nothing, too", SWITCH, 0, 0, NULL },
-    { "--fast", NULL, "half the time, up to a quarter more facets", SWITCH, 0, 0, NULL },
+    { "--fast", NULL, "wraps in half the time, with up to a quarter more facets", SWITCH, 0, 0, NULL },
+    { NULL, NULL, NULL, SWITCH, 0, 0, NULL }
+};
+
+static const option wrap_options[] = {
     OPTION_MOST("tetrahedra"),
     OPTION_QUALITY,
     { NULL, NULL, NULL, SWITCH, 0, 0, NULL }
@@ -123,7 +128,7 @@ static int refuse(const job *j, pbw_status status, const pbw_wrap_report *r)
     }
 }
 
-static void report_on(const job *j, const pbw_wrap_result *w, const pbw_wrap_report *r, const double distance[2])
+static void report_on(const job *j, const pbw_wrap_result *w, const pbw_wrap_report *r)
 {
     report_step(j, "tree", r->seconds[0], "%s", "");
     report_step(j, "wrap", r->seconds[1], "alpha %.6g, offset %.6g, %zu round%s", r->alpha, r->offset,
@@ -131,8 +136,7 @@ static void report_on(const job *j, const pbw_wrap_result *w, const pbw_wrap_rep
     report_line(j, "%zu facet%s in %zu component%s, %zu point%s; %zu %s inside; %.0f facets a second",
                 COUNT(w->facet_count), COUNT(r->components), COUNT(w->point_count), w->tet_count,
                 simplices(3, w->tet_count), r->seconds[1] > 0 ? (double)w->facet_count / r->seconds[1] : 0);
-    report_line(j, "volume %.9g, area %.9g; the wrap is up to %.6g from the model, the model up to %.6g from the "
-                "wrap", r->volume, r->area, distance[0], distance[1]);
+    report_line(j, "volume %.9g, area %.9g", r->volume, r->area);
     if (r->repairs > 0) {
         report_line(j, "%zu tetrahedr%s put back for a manifold", r->repairs, r->repairs == 1 ? "on" : "a");
     }
@@ -152,47 +156,52 @@ static void report_on(const job *j, const pbw_wrap_result *w, const pbw_wrap_rep
 /* ---- the output ---- */
 
 /* The groups of the nearest triangles, as patches of the facets. */
-static int name_patches(job *j, const elements *e, const pbw_wrap_result *w)
+static int name_patches(job *j, const elements *e, const pbw_tets *tets)
 {
     const pbwio_cloud *c = &j->cloud;
-    size_t i, facet = 0;
+    pbw_surface surface;
+    size_t i, k;
+    int failed;
     if (c->triangle_groups == NULL || e->boundary != NULL) {
         return 0;
     }
-    j->patches = (pbw_index *)malloc((4 * w->tet_count + 1) * sizeof *j->patches);
-    if (j->patches == NULL) {
-        return fail(j, "out of memory");
+    failed = explain(j, pbw_surface_create(c->points, c->count, c->triangles, c->triangle_count, &j->build,
+                                           &surface));
+    j->patches = (pbw_index *)malloc((4 * tets->tet_count + 1) * sizeof *j->patches);
+    if (!failed && j->patches == NULL) {
+        failed = fail(j, "out of memory");
     }
-    for (i = 0; i < 4 * w->tet_count; i++) {
-        const pbw_index element = w->neighbors[i] == PBW_NONE ? w->elements[facet++] : PBW_NONE;
-        j->patches[i] = element < c->triangle_count ? c->triangle_groups[element] : PBW_NONE;
+    for (i = 0; i < 4 * tets->tet_count && !failed; i++) {
+        double middle[3] = { 0, 0, 0 }, place[3];
+        j->patches[i] = PBW_NONE;
+        for (k = 0; k < 12 && tets->neighbors[i] == PBW_NONE; k++) {
+            const pbw_index p = tets->corners[i / 4 * 4 + k / 3];
+            middle[k % 3] += k / 3 == i % 4 ? 0 : tets->points[3 * (size_t)p + k % 3] / 3;
+        }
+        if (tets->neighbors[i] == PBW_NONE) {
+            j->patches[i] = c->triangle_groups[pbw_surface_closest(&surface, middle, HUGE_VAL, place)];
+        }
     }
+    pbw_surface_free(&surface);
     j->write.patches = j->patches;
     j->write.groups = c->groups;
     j->write.group_count = c->group_count;
-    return 0;
+    return failed;
 }
 
-/* Writes the wrap alone: pages show nothing of the model. */
-static int write_wrap(job *j, const elements *e, const pbw_wrap_result *w)
+/* Writes tetrahedra alone: pages show nothing of the model. */
+static int write_tets(job *j, const elements *e, const pbw_tets *tets)
 {
-    pbw_tets tets;
     pbw_index *regions = NULL;
-    int failed = name_patches(j, e, w);
-    memset(&tets, 0, sizeof tets);
-    tets.points = w->points;
-    tets.point_count = w->point_count;
-    tets.corners = w->corners;
-    tets.tet_count = w->tet_count;
-    tets.neighbors = w->neighbors;
+    int failed = name_patches(j, e, tets);
     if (is_given(j, "--quality")) {
-        describe_measures(j, &tets);
+        describe_measures(j, tets);
     }
-    show_tets(j, &tets);
+    show_tets(j, tets);
     if (!failed && j->write.groups != NULL) {        /* tetrahedra are in no group */
-        regions = (pbw_index *)malloc((w->tet_count + 1) * sizeof *regions);
+        regions = (pbw_index *)malloc((tets->tet_count + 1) * sizeof *regions);
         if (regions != NULL) {
-            memset(regions, 0xff, w->tet_count * sizeof *regions);               /* PBW_NONE */
+            memset(regions, 0xff, tets->tet_count * sizeof *regions);            /* PBW_NONE */
         }
         failed = regions != NULL ? 0 : fail(j, "out of memory");
         j->write.regions = regions;
@@ -205,46 +214,144 @@ static int write_wrap(job *j, const elements *e, const pbw_wrap_result *w)
     return failed;
 }
 
-/* ---- the command ---- */
+/* ---- the commands ---- */
 
-static int run(job *j)
+/* Improves the tetrahedra in a wrap: boundary points slide on its surface, which has no sharp edges, and reports. */
+static int improve_wrap(job *j, const pbw_tets *in, pbw_tets *better)
 {
-    pbw_wrap_options how;
+    pbw_improve_options how;
+    pbw_improve_report r;
+    const double start = now();
+    int failed;
+    memset(&how, 0, sizeof how);
+    how.target = number_of(j, "--target", 0);
+    how.seconds = number_of(j, "--seconds", 0);
+    how.feature_angle = 180;
+    j->stage = "improve";
+    failed = explain(j, pbw_improve(in, &how, &j->build, better, &r));
+    j->stage = NULL;
+    if (!failed) {
+        report_step(j, "improve", now() - start, "%d pass%s", r.passes, r.passes == 1 ? "" : "es");
+        report_line(j, "%zu %s, %zu point%s", better->tet_count, simplices(3, better->tet_count),
+                    COUNT(better->point_count));
+        describe_quality(j, "before: ", &r.before);
+        describe_quality(j, "after:  ", &r.after);
+        describe_histogram(j, &r.after);
+    }
+    return failed;
+}
+
+/* Tells how far the boundary of tetrahedra and the model are apart; size: by that, 0 = by nothing. */
+static int measure_distance(job *j, const elements *e, const pbw_tets *tets, double size)
+{
+    double distance[2];
+    size_t count;
+    pbw_index *facets;
+    int failed;
+    show_tets(j, tets);
+    facets = boundary_of(j, &count);
+    memset(&j->mesh, 0, sizeof j->mesh);
+    failed = facets == NULL ? fail(j, "out of memory")
+           : explain(j, pbw_wrap_distance(&e->in, tets->points, tets->point_count, facets, count, &j->build,
+                                          distance));
+    free(facets);
+    if (!failed && size > 0) {
+        report_line(j, "the boundary is up to %.3f sizes of %.6g from the model, the model up to %.3f sizes from the "
+                    "boundary", distance[0] / size, size, distance[1] / size);
+    } else if (!failed) {
+        report_line(j, "the wrap is up to %.6g from the model, the model up to %.6g from the wrap", distance[0],
+                    distance[1]);
+    }
+    return failed;
+}
+
+/* Wraps what is loaded; with a size, good tetrahedra of that size. */
+static int wrap_elements(job *j, const elements *e, pbw_wrap_options *how)
+{
     pbw_wrap_report report;
     pbw_wrap_result wrap;
+    pbw_tets tets, better;
+    pbw_status status = pbw_wrap(&e->in, how, &j->build, &wrap, &report);
+    int failed;
+    if (status == PBW_OK && how->fill > 0 && report.closing > 0 && !is_given(j, "--alpha")) {
+        warn(j, "the model is open, and alpha %.3g makes a thin shell: %.3g, which closes it, is taken instead",
+             report.alpha, report.closing);
+        pbw_wrap_free(&wrap);
+        how->alpha = report.closing;
+        status = pbw_wrap(&e->in, how, &j->build, &wrap, &report);
+    }
+    failed = status != PBW_OK ? refuse(j, status, &report) : 0;
+    memset(&tets, 0, sizeof tets);
+    memset(&better, 0, sizeof better);
+    if (!failed) {
+        report_on(j, &wrap, &report);
+        tets.points = wrap.points;
+        tets.point_count = wrap.point_count;
+        tets.corners = wrap.corners;
+        tets.tet_count = wrap.tet_count;
+        tets.neighbors = wrap.neighbors;
+        failed = how->fill > 0 ? improve_wrap(j, &tets, &better) : 0;
+    }
+    if (!failed) {
+        const pbw_tets *made = how->fill > 0 ? &better : &tets;
+        failed = measure_distance(j, e, made, how->fill);
+        failed = failed ? failed : write_tets(j, e, made);
+    }
+    pbw_tets_free(&better);
+    pbw_wrap_free(&wrap);
+    return failed;
+}
+
+/* Loads the input and wraps it; solid: good tetrahedra, of --size. */
+static int run_both(job *j, int solid)
+{
+    pbw_wrap_options how;
     pbwio_cloud seeds;
-    pbw_status status;
     elements e;
-    double distance[2] = { 0, 0 };
+    double low[3] = { HUGE_VAL, HUGE_VAL, HUGE_VAL }, high[3] = { -HUGE_VAL, -HUGE_VAL, -HUGE_VAL };
+    char *end = NULL;
+    const char *size = solid ? text_of(j, "--size") : NULL;
+    size_t i;
     int failed;
     memset(&seeds, 0, sizeof seeds);
     memset(&how, 0, sizeof how);
     memset(&e, 0, sizeof e);
-    how.alpha = number_of(j, "--alpha", 0);
-    how.offset = number_of(j, "--offset", 0);
-    how.most = number_of(j, "--most", 0);
-    how.fast = is_given(j, "--fast");
-    how.closing = 1;
+    how.fill = size != NULL ? strtod(size, &end) : 0;
+    if (size != NULL && (*end != 0 || !(how.fill > 0))) {
+        return complain("--size %s: with --wrap it is a number above 0", size);
+    }
     j->read.dim = 3;
     failed = load(j, 0);
     failed = failed ? failed : complete_groups(j);
     failed = failed ? failed : load_seeds(j, &seeds, &how);
     failed = failed ? failed : find_elements(j, &e);
-    if (!failed) {
-        status = pbw_wrap(&e.in, &how, &j->build, &wrap, &report);
-        failed = status != PBW_OK ? refuse(j, status, &report)
-               : explain(j, pbw_wrap_distance(&e.in, wrap.points, wrap.point_count, wrap.facets, wrap.facet_count,
-                                              &j->build, distance));
-        if (!failed) {
-            report_on(j, &wrap, &report, distance);
-            failed = write_wrap(j, &e, &wrap);
-        }
-        pbw_wrap_free(&wrap);
+    for (i = 0; i < 3 * j->cloud.count && !failed; i++) {
+        low[i % 3] = fmin(low[i % 3], j->cloud.points[i]);
+        high[i % 3] = fmax(high[i % 3], j->cloud.points[i]);
     }
+    if (solid && size == NULL && !failed) {
+        how.fill = sqrt(pow(high[0] - low[0], 2) + pow(high[1] - low[1], 2) + pow(high[2] - low[2], 2)) / 40;
+    }
+    how.alpha = number_of(j, "--alpha", how.fill / 2);
+    how.offset = number_of(j, "--offset", 0);
+    how.most = number_of(j, "--most", 0);
+    how.fast = is_given(j, "--fast");
+    how.closing = 1;
+    failed = failed ? failed : wrap_elements(j, &e, &how);
     pbwio_free(&seeds);
     free(e.boundary);
     free(e.singles);
     return failed;
+}
+
+int wrap_solid(job *j)
+{
+    return run_both(j, 1);
+}
+
+static int run(job *j)
+{
+    return run_both(j, 0);
 }
 
 const command command_wrap = {
@@ -256,8 +363,8 @@ const command command_wrap = {
     "Wraps faces, segments and points, with holes, crossings and gaps, in a closed surface that touches nothing of\n"
     "them and encloses all of it.  A ball of radius alpha does not get in: a smaller alpha follows the model more\n"
     "closely, and goes into smaller holes.  The points of the surface are at the offset from the model.  Facets\n"
-    "have the group of the nearest face.  Formats of meshes get the tetrahedra inside, of any shape; pbw improve\n"
-    "makes them good.\n"
+    "have the group of the nearest face.  Formats of meshes get the tetrahedra inside, of any shape; pbw solid\n"
+    "--wrap makes good ones.\n"
     "\n"
     "input:   .obj .ply .stl .off .msh .mesh .inp .vtu .vtk .csv .xyz and others: faces, segments, points, and of\n"
     "         tetrahedra their boundary\n"
@@ -265,7 +372,7 @@ const command command_wrap = {
     "         surface), .svg (picture), .html (page to look around in); any number of them\n"
     "\n",
     .writes = "vtu msh msh2 mesh inp su2 node ele neigh face obj ply stl off svg html",
-    .options = { wrap_options, input_options, look_options, build_options, output_options, text_options,
-                 common_options, NULL },
+    .options = { wrapping_options, wrap_options, input_options, look_options, build_options, output_options,
+                 text_options, common_options, NULL },
     .run = run,
 };

@@ -338,7 +338,8 @@ def _longest(size, vertices):
 
 
 def solid(vertices, faces, size=0, target=30, feature_angle=40, rounds=0, patches=None, nested=False,
-          least_size=0, curvature=0, sharp="auto", close=False, most=50e6, around=0, gradation=0):
+          least_size=0, curvature=0, sharp="auto", close=False, most=50e6, around=0, gradation=0,
+          wrap=False):
     """Tetrahedra inside a closed surface: vertices (n, 3), faces (m, 3), one or several shells.
 
     size: length of edges, 0 = 1/40 of the diagonal, or a function of a point (x, y, z).  Of that the largest value at
@@ -352,6 +353,10 @@ def solid(vertices, faces, size=0, target=30, feature_angle=40, rounds=0, patche
     nested=True: shells inside of others bound regions, else every second is a cavity, and shells that cross are one
     body.
     Surfaces that are mostly holes or very thin are refused, unless close=True, and more than `most` tetrahedra.
+
+    wrap=True fills a wrap of the faces instead, which may have holes, crossings and gaps: size, a number, target and
+    most are as else, the other arguments have no effect; sharp edges are rounded off by about half the size, and
+    holes are closed.  The report is that of improve, and "wrap" in it that of pbw.wrap.
 
     Returns a Tets.  Its regions are numbers of shells, its patches those given, else numbers of the parts between
     sharp edges, and -1 or "" where a hole is closed; parts are the latter numbers in any case.  Its report has
@@ -379,6 +384,11 @@ def solid(vertices, faces, size=0, target=30, feature_angle=40, rounds=0, patche
     how = _SolidOptions(longest, least_size, None, None, curvature, gradation, nested, close,
                         _SHARP.index(sharp), most, None, None, None, feature_angle, 0, rounds,
                         _ImproveOptions(target))
+    if wrap:
+        if callable(size):
+            raise ValueError("size must be a number with wrap=True")
+        from ._wrap import _filled
+        return _filled(vertices, faces, size, target, most)
     thrown = []
     if callable(size):
         def at(user, point):

@@ -8,7 +8,7 @@ import numpy as np
 
 from . import _errors
 from ._library import _PROGRESS, _Watch, _copied, _fit, _library, _pointers, _run
-from ._tets import _check_number, _checked, _plain
+from ._tets import _check_number, _checked, _plain, improve
 
 _size, _double = ctypes.c_size_t, ctypes.c_double
 
@@ -23,7 +23,8 @@ class _WrapInput(ctypes.Structure):
 class _WrapOptions(ctypes.Structure):
     """pbw_wrap_options."""
     _fields_ = [("alpha", _double), ("offset", _double), *_pointers("alpha_at alpha_user seeds"),
-                ("seed_count", _size), ("fast", ctypes.c_int), ("closing", ctypes.c_int), ("most", _double)]
+                ("seed_count", _size), ("fast", ctypes.c_int), ("closing", ctypes.c_int), ("fill", _double),
+                ("most", _double)]
 
 
 class _WrapResult(ctypes.Structure):
@@ -45,6 +46,17 @@ _fit(_library, 17, _WrapInput, _WrapOptions, _WrapResult, _WrapReport)
 _ALPHA_AT = ctypes.CFUNCTYPE(_double, ctypes.c_void_p, ctypes.POINTER(_double))
 _REFUSALS = {1: "there is nothing to wrap", 2: "all points are at one place: alpha says how large the wrap shall be",
              3: "the offset is below 1e-9 of the largest coordinate", 4: "more tetrahedra than most"}
+
+
+def _filled(points, triangles, size, target, most):
+    """Good tetrahedra in a wrap, a Tets whose report has that of the wrap, too: for solid."""
+    size = size or np.linalg.norm(np.ptp(points, axis=0)) / 40
+    around = wrap(points, triangles, alpha=size / 2, fill=size, most=most, closing=True)
+    if around.report["closing"]:
+        around = wrap(points, triangles, alpha=around.report["closing"], fill=size, most=most)
+    made = improve(around.points, around.tets, target, feature_angle=180)
+    made.report["wrap"] = around.report
+    return made
 
 
 class Wrap:
@@ -72,7 +84,7 @@ class Wrap:
 
 
 def wrap(points, triangles=None, segments=None, singles=None, alpha=0, offset=0, seeds=None, fast=False,
-         closing=False, most=50e6):
+         closing=False, fill=0, most=50e6):
     """Wraps triangles (m, 3), segments (s, 2) and single points, all by rows of points (n, 3), in a closed surface
     that touches none of them and encloses all; holes, crossings and gaps are fine.  Without any of the three, all
     points are wrapped.
@@ -81,6 +93,7 @@ def wrap(points, triangles=None, segments=None, singles=None, alpha=0, offset=0,
     diagonal; or a function of a point (x, y, z), below that.  offset: of the vertices from the model; 0 = alpha / 30.
     seeds (c, 3): cavities with one of them are carved from inside, too.  fast=True: half the time, more faces.
     closing=True: where the wrap is a shell around both sides of an open model, looks for an alpha that closes it.
+    fill: length of edges inside, for rounder tetrahedra; 0 = no vertices for that.
 
     Returns a Wrap.
     """
@@ -92,12 +105,12 @@ def wrap(points, triangles=None, segments=None, singles=None, alpha=0, offset=0,
                                          ("singles", None if singles is None else np.reshape(singles, (-1, 1)), 1))]
     given = _WrapInput(points.ctypes.data, len(points), *(part for array in rows
                                                            for part in (array.ctypes.data, len(array))))
-    for name, value in (("alpha", alpha), ("offset", offset)):
+    for name, value in (("alpha", alpha), ("offset", offset), ("fill", fill)):
         if not callable(value):
             _check_number(name, value, 0, np.finfo(float).max)
     _check_number("most", most, 1, np.finfo(float).max)
     how = _WrapOptions(0 if callable(alpha) else alpha, offset)
-    how.fast, how.closing, how.most = fast, closing, most
+    how.fast, how.closing, how.fill, how.most = fast, closing, fill, most
     if seeds is not None:
         seeds = _checked("seeds", seeds, 3, np.float64)
         how.seeds, how.seed_count = seeds.ctypes.data, len(seeds)
