@@ -1449,35 +1449,40 @@ static void pbwim__cone_of(const pbwim__mesh *m, pbw_index p, const pbw_index *s
     cone->count = count;
 }
 
-/* Which middles of the boundary facets at a point are looked at: of the facets and their edges at it, which move
-   with it; or of their edges across from it. */
-enum { PBWIM__MOVING, PBWIM__ACROSS };
+/* Middles of the boundary facets at a point: of their edges across from it, or else of the facets and of their edges
+   at it, which move with it. */
+typedef struct pbwim__middles {
+    pbw_index p;
+    const pbw_index *star;                           /* the tetrahedra at p */
+    int count, across;
+} pbwim__middles;
 
 /* Returns the largest distance of these middles from the surface, were p at x, or `least`; it may end once that is
    above `enough`. */
-static double pbwim__farthest_at(const pbwim__mesh *m, pbw_index p, const double *x, const pbw_index *star, int count,
-                                 int which, double least, double enough)
+static double pbwim__farthest_at(const pbwim__mesh *m, const pbwim__middles *of, const double *x, double least,
+                                 double enough)
 {
+    const pbw_index p = of->p;
     int i, k, j;
-    for (i = 0; i < count; i++) {
-        const pbw_index *c = m->corner.at[star[i]];
+    for (i = 0; i < of->count; i++) {
+        const pbw_index t = of->star[i], *c = m->corner.at[t];
         for (k = 0; k < 4 && least <= enough; k++) {
             const int *o = pbwim__opposite[k];
             const int at = c[o[0]] == p ? 0 : c[o[1]] == p ? 1 : 2;
             const double *corner[3];
             double middle[2][3];
-            if (c[k] == p || m->next.at[star[i]][k] != PBW_NONE) {
+            if (c[k] == p || m->next.at[t][k] != PBW_NONE) {
                 continue;
             }
             for (j = 0; j < 3; j++) {
                 corner[j] = j == at ? x : m->x.at[c[o[j]]];
             }
             for (j = 0; j < 3; j++) {                /* of two edges at p, one; the other is the next facet's */
-                const double *a = which == PBWIM__MOVING ? x : corner[(at + 2) % 3], *b = corner[(at + 1) % 3];
+                const double *a = of->across ? corner[(at + 2) % 3] : x, *b = corner[(at + 1) % 3];
                 middle[0][j] = 0.5 * a[j] + 0.5 * b[j];
                 middle[1][j] = 1.0 / 3 * corner[0][j] + 1.0 / 3 * corner[1][j] + 1.0 / 3 * corner[2][j];
             }
-            for (j = 0; j < (which == PBWIM__MOVING ? 2 : 1); j++) {
+            for (j = 0; j < (of->across ? 1 : 2); j++) {
                 double place[3];
                 memcpy(place, middle[j], sizeof place);
                 m->project(m->project_user, place);
@@ -1493,16 +1498,17 @@ static double pbwim__farthest_at(const pbwim__mesh *m, pbw_index p, const double
 static int pbwim__move_stays_near(const pbwim__mesh *m, pbw_index p, const double *x, const pbw_index *star,
                                   int count)
 {
+    const pbwim__middles moving = { p, star, count, 0 }, across = { p, star, count, 1 };
     double after, before;
     if (!(m->distance > 0)) {
         return 1;
     }
-    after = pbwim__farthest_at(m, p, x, star, count, PBWIM__MOVING, 0, HUGE_VAL);
+    after = pbwim__farthest_at(m, &moving, x, 0, HUGE_VAL);
     if (after <= m->distance) {
         return 1;
     }
-    before = pbwim__farthest_at(m, p, m->x.at[p], star, count, PBWIM__MOVING, 0, after);
-    return after <= pbwim__farthest_at(m, p, m->x.at[p], star, count, PBWIM__ACROSS, before, after);
+    before = pbwim__farthest_at(m, &moving, m->x.at[p], 0, after);
+    return after <= pbwim__farthest_at(m, &across, m->x.at[p], before, after);
 }
 
 static int pbwim__smooth(pbwim__mesh *m, pbw_index p)
