@@ -90,7 +90,7 @@
 
    DOES NOT  settle at gaps of a shell below 1/10 of the size, nor always at acute edges: it warns.  Surfaces with
              walls below about 1/10 of the size on the whole are refused: report.thickness.
-             Shells may be nested or cross; the edges where they cross are sharp if sharp edges are kept, but rounded
+             Shells may be nested or cross; the edges where they cross are sharp if all sharp edges are kept, but rounded
              where triangles lie on each other.  If shells coincide only in part, or with other triangles, the space
              between is no region, or noise.  Where four walls meet inside, facets of interfaces may cut the corner,
              by up to 0.15 sizes: see report.distance.  Points between two regions are not moved.
@@ -1952,7 +1952,7 @@ static int pbwm3__choose_sharp(pbwm3__work *w, pbwm3__features *f, const pbwsf__
    >>kinks        Where shells cross: sharp edges of their union.
    In: pairs of triangles that meet, and what they have in common; the sharp edges of the surface.  Out: the sharp
    edges of the union: pieces of those of the surface, and curves where shells cross; vertices where curves begin and
-   end.  Where triangles lie on each other, turned alike, and where no sharp edges are kept, all stays as it is.
+   end.  Where triangles lie on each other, turned alike, and where not all sharp edges are kept, all stays as it is.
    Nothing here decides what is inside, so places are rounded: one is on the union's boundary if some of what is a
    millionth of the size around it has no shell around it, and some has.
    ------------------------------------------------------------------------------------------------------ */
@@ -2684,7 +2684,7 @@ static pbw_status pbwm3__find_chains(pbwm3__work *w)
     int good;
     memset(&graph, 0, sizeof graph);
     good = pbwm3__find_patches(w, &list) && (!w->open || pbwm3__drop_noise(w, &list));
-    w->kinks = good && w->joined && w->report->sharp != PBW_SOLID_SHARP_NONE && !pbwm3__are_layers(w);
+    w->kinks = good && w->joined && w->report->sharp == PBW_SOLID_SHARP_ALL && !pbwm3__are_layers(w);
     if (w->kinks) {
         status = pbwm3__join_edges(w, &list);
     }
