@@ -1621,6 +1621,7 @@ def solids():
     open_ended = pbw.solid(cube, hull, size=lambda p: 0.15 if p[0] < 0.5 else np.inf)
     check(even < len(open_ended.tets) < 100 * even, len(open_ended.tets))
     raises(AttributeError, pbw.solid, cube, hull, size=lambda p: p.missing)
+    raises_text(ValueError, "above 0 nowhere", pbw.solid, cube, hull, size=lambda p: 0)
     raises(pbw.Error, pbw.solid, cube, hull[:1], size=0.25)
     raises(ValueError, pbw.solid, cube, [[0, 1, 8]])
 

@@ -334,7 +334,10 @@ def _longest(size, vertices):
     low, high = vertices.min(axis=0), vertices.max(axis=0)
     grid = itertools.product(*(np.linspace(low[k], high[k], 9).tolist() for k in range(3)))
     sizes = np.array([float(size(tuple(place))) for place in itertools.chain(vertices.tolist(), grid)])
-    return max(0, np.where(np.isfinite(sizes), sizes, np.linalg.norm(high - low) / 40).max())
+    longest = np.where(np.isfinite(sizes), sizes, np.linalg.norm(high - low) / 40).max()
+    if not longest > 0:
+        raise ValueError("size is above 0 nowhere in the box of the vertices")
+    return longest
 
 
 def solid(vertices, faces, size=0, target=30, feature_angle=40, rounds=0, patches=None, nested=False,
