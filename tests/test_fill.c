@@ -8,11 +8,11 @@
 
 /* ---- the checker ---- */
 
-typedef struct filling {                             /* a result that may be changed */
+typedef struct result_copy {                         /* a result that may be changed */
     double *points;
     pbw_index *corners, *neighbors, *regions, *original, *patches, *facets, *facet_triangle, *facet_corners, *sides;
     size_t point_count, tet_count, facet_count;
-} filling;
+} result_copy;
 
 static void *copied(const void *from, size_t bytes)
 {
@@ -23,10 +23,10 @@ static void *copied(const void *from, size_t bytes)
     return to;
 }
 
-static filling copy_of(const pbw_filled *f)
+static result_copy copy_of(const pbw_filled *f)
 {
     const size_t id = sizeof(pbw_index), n = f->tets.tet_count;
-    filling c;
+    result_copy c;
     c.point_count = f->tets.point_count;
     c.tet_count = n;
     c.facet_count = f->facet_count;
@@ -43,7 +43,7 @@ static filling copy_of(const pbw_filled *f)
     return c;
 }
 
-static void free_copy(filling *c)
+static void free_copy(result_copy *c)
 {
     free(c->points);
     free(c->original);
@@ -108,7 +108,7 @@ static int is_within(const double *const t[3], const double *p)
 }
 
 /* Indices, points, positive tetrahedra, links.  Returns what is wrong. */
-static const char *check_tets(const pbw_fill_input *in, const filling *f)
+static const char *check_tets(const pbw_fill_input *in, const result_copy *f)
 {
     unsigned char *used = (unsigned char *)calloc(f->point_count + 1, 1);
     const char *wrong = NULL;
@@ -157,7 +157,7 @@ static const char *check_tets(const pbw_fill_input *in, const filling *f)
 }
 
 /* The facets are the faces at the boundary and those with patches, each once; all names agree. */
-static const char *check_facets(const pbw_fill_input *in, const filling *f)
+static const char *check_facets(const pbw_fill_input *in, const result_copy *f)
 {
     unsigned char *listed = (unsigned char *)calloc(4 * f->tet_count + 1, 1);
     const char *wrong = NULL;
@@ -204,7 +204,7 @@ static const char *check_facets(const pbw_fill_input *in, const filling *f)
 }
 
 /* Each triangle, or with merged ones each plane of them, is a union of facets. */
-static const char *check_union(const pbw_fill_input *in, const filling *f, int merged)
+static const char *check_union(const pbw_fill_input *in, const result_copy *f, int merged)
 {
     double *area = (double *)calloc(in->triangle_count + 1, sizeof *area), all = 0, want = 0;
     const char *wrong = NULL;
@@ -238,7 +238,7 @@ static const char *check_union(const pbw_fill_input *in, const filling *f, int m
 }
 
 /* The facets are triangles of the input, so many of them, each once. */
-static const char *check_exact(const pbw_fill_input *in, const filling *f, size_t count)
+static const char *check_exact(const pbw_fill_input *in, const result_copy *f, size_t count)
 {
     unsigned char *found = (unsigned char *)calloc(in->triangle_count + 1, 1);
     const char *wrong = f->facet_count == count ? NULL : "there are more facets than triangles, or fewer";
@@ -258,7 +258,7 @@ static const char *check_exact(const pbw_fill_input *in, const filling *f, size_
 }
 
 /* Returns what is wrong with a result, NULL if nothing; volume < 0: not known. */
-static const char *fault_of(const pbw_fill_input *in, const filling *f, int merged, double volume)
+static const char *fault_of(const pbw_fill_input *in, const result_copy *f, int merged, double volume)
 {
     const char *wrong = check_tets(in, f);
     double sum = 0;
@@ -417,7 +417,7 @@ static size_t fill_and_check(const pbw_fill_input *in, const pbw_fill_options *h
     const pbw_status status = pbw_fill(in, how, NULL, &f, &report);
     CHECK_EQUAL(status, PBW_OK);
     if (status == PBW_OK) {
-        filling c = copy_of(&f);
+        result_copy c = copy_of(&f);
         const int exact = how == NULL || !how->conforming;
         const char *wrong = how != NULL && how->outside ? check_tets(in, &c)
                           : fault_of(in, &c, !exact && !how->split_flat, volume);
@@ -645,7 +645,7 @@ static void test_sheets(void)
 }
 
 /* One of 24 kinds of damage. */
-static void damage(filling *c, int kind)
+static void damage(result_copy *c, int kind)
 {
     const size_t t = c->tet_count / 2;
     pbw_index *v = c->corners + 4 * t, swap;
@@ -701,7 +701,7 @@ static void test_checker(void)
         volume = enclosed(&in);
         CHECK_EQUAL(pbw_fill(&in, &how, NULL, &f, NULL), PBW_OK);
         for (kind = -1; kind < 24; kind++) {
-            filling c = copy_of(&f);
+            result_copy c = copy_of(&f);
             size_t counts[2];
             const char *wrong;
             counts[0] = c.tet_count, counts[1] = c.facet_count;
