@@ -332,7 +332,8 @@ static double enclosed(const pbw_fill_input *in)
     return fabs(sum);
 }
 
-/* A polyhedron that its centre sees all of: the hull of points on a sphere, each moved along its ray. */
+/* A polyhedron that its centre sees all of: the hull of points on a sphere, each moved along its ray.  The first four
+   are those of a tetrahedron, so that the centre is inside. */
 static void add_star(size_t count, double least, const double centre[3], double size, uint64_t *key)
 {
     static double x[400][3];
@@ -344,7 +345,7 @@ static void add_star(size_t count, double least, const double centre[3], double 
         double length;
         do {
             for (k = 0; k < 3; k++) {
-                x[i][k] = random_in(key, -1, 1);
+                x[i][k] = i >= 4 ? random_in(key, -1, 1) : i == 0 || i == k + 1 ? 0.5 : -0.5;
             }
             length = sqrt(x[i][0] * x[i][0] + x[i][1] * x[i][1] + x[i][2] * x[i][2]);
         } while (length < 0.1 || length > 1);
