@@ -359,7 +359,8 @@ check "a solid" says 0 "8 corners, 12 sharp edges" solid cube.obj --size 0.3
 check "its volume" grep "volume 1, of the surface 1" said
 check "--feature-angle" says 0 "0 corners, 0 sharp edges" solid cube.obj --size 0.3 --feature-angle 100
 check "--sharp" says 0 "0 corners, 0 sharp edges" solid cube.obj --size 0.3 --sharp none
-check "far from the surface" says 0 "sizes apart; a smaller --size" solid cube.obj --size 0.5 --sharp none
+check "far from the surface" says 0 "sizes apart; a smaller --size" solid cube.obj --size 0.5 --sharp none \
+    --least-size 0.5
 check "before work" says 0 "sharp edges: all are kept, as 100 %" solid cube.obj --size 0.3
 check "--most" says 1 "tetrahedra, more than --most allows" solid cube.obj --size 1e-9
 check "a thin wall" says 1 "of the size 30" solid cube.obj --size 30

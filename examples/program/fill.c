@@ -3,17 +3,14 @@
 #include "program.h"
 
 static const option fill_options[] = {
-    { "--conforming", NULL, "points may stay on edges; flat parts of the surface are unions of facets", SWITCH, 0, 0,
-      NULL },
+    OPTION_CONFORMING("points may stay on edges; flat parts of the surface are unions of facets"),
     { "--split-flat", NULL, "with --conforming: edges between coplanar faces are kept, too", SWITCH, 0, 0, NULL },
-    { "--nested", NULL, "shells inside of others bound regions; default: every second one is a cavity", SWITCH, 0, 0,
-      NULL },
+    OPTION_NESTED(""),
     { "--outside", NULL, "keep the outside, too, up to a box five times as wide as the surface's", SWITCH, 0, 0,
       NULL },
     { "--faces", NULL, "groups of facets are the model's faces, numbered from 1 on, not its groups", SWITCH, 0, 0,
       NULL },
-    { "--target", "DEGREES", "raise dihedral angles inside to this, and to 180 less this, as far as the faces let it",
-      WHOLE, 1, 60, NULL },
+    OPTION_TARGET(", as far as the faces\nallow; default: no better angles"),
     OPTION_SECONDS,
     OPTION_MOST("points on edges"),
     OPTION_QUALITY,

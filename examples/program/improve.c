@@ -3,7 +3,7 @@
 #include "domain.h"
 
 static const option improve_options[] = {
-    OPTION_TARGET,
+    OPTION_TARGET("; default 30"),
     OPTION_SECONDS,
     OPTION_FEATURE_ANGLE,
     OPTION_SIZE("about"),

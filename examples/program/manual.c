@@ -18,7 +18,7 @@ static const struct { const char *command, *line[EXAMPLES]; } examples[] = {
                  "pbw cells points.csv --box 0,0,0,1,1,1 --periodic xyz -o cells.csv" } },
     { "plane", { "pbw plane domain.poly --angle 30 -o mesh.svg", "pbw plane domain.poly --size 0.2 -o mesh.vtu" } },
     { "improve", { "pbw improve mesh.msh -o better.msh", "pbw improve mesh.msh --smooth odt -o better.vtu" } },
-    { "fill", { "pbw fill model.obj -o filled.vtu", "pbw fill cells.ply --split-flat -o cells.msh" } },
+    { "fill", { "pbw fill model.obj -o filled.vtu", "pbw fill model.obj --conforming -o filled.msh" } },
     { "solid", { "pbw solid model.obj -o solid.vtu", "pbw solid model.obj --size 0.2 --patches -o solid.msh" } },
     { "wrap", { "pbw wrap model.obj -o wrapped.stl",
                 "pbw wrap model.obj --alpha 0.3 --offset 0.02 -o wrapped.vtu" } },

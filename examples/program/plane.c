@@ -9,8 +9,8 @@ static const option plane_options[] = {
       NULL },
     { "--area", "A", "refine: no larger triangle", POSITIVE, 0, 0, NULL },
     OPTION_SIZE("at most"),
-    { "--gradation", "G", "most growth of sizes per distance: of a column, default 0.3; of a formula and of the\n"
-      "areas of regions, default any", POSITIVE, 0, 0, NULL },
+    OPTION_GRADATION("most growth of sizes per distance: of a column, default 0.3; of a formula and of the\n"
+                     "areas of regions, default any"),
     { "--coarsen", NULL, "leave points out that are nearer to each other than half of --size", SWITCH, 0, 0, NULL },
     OPTION_SMOOTH("move points to better means: laplace, lloyd or odt"),
     OPTION_ROUNDS("of --smooth, default 5"),
@@ -22,7 +22,7 @@ static const option plane_options[] = {
       "strings are names; default: each feature is a region, with its number from 1", PLAIN, 0, 0, NULL },
     { "--keep-boundary", NULL, "no new points on the boundary", SWITCH, 0, 0, NULL },
     { "--keep-segments", NULL, "no new points on segments", SWITCH, 0, 0, NULL },
-    { "--conforming", NULL, "all triangles Delaunay, across segments too", SWITCH, 0, 0, NULL },
+    OPTION_CONFORMING("all triangles Delaunay, across segments too"),
     { "--steiner", "N", "at most N new points", WHOLE, 1, 4e9, NULL },
     OPTION_MOST("triangles"),
     OPTION_NO_ORPHANS,

@@ -79,11 +79,15 @@ extern const option input_options[], weight_options[], build_options[], inside_o
    on the command, the help is an argument. */
 extern const char *const smoothers[];                /* laplace, lloyd, odt */
 #define OPTION_ALPHA(help) { "--alpha", "R", help, POSITIVE, 0, 0, NULL }
+#define OPTION_CONFORMING(help) { "--conforming", NULL, help, SWITCH, 0, 0, NULL }
 #define OPTION_COUNT(help) { "--count", "N", help, WHOLE, 1, 4e9, NULL }
 #define OPTION_FEATURE_ANGLE { "--feature-angle", "DEGREES", \
     "edges of the surface that bend by more are sharp, and stay; default 40", WHOLE, 1, 180, NULL }
+#define OPTION_GRADATION(help) { "--gradation", "G", help, POSITIVE, 0, 0, NULL }
 #define OPTION_MOST(simplices) { "--most", "N", \
     simplices "; more are refused, before work if sizes ask for them; default 50 million", POSITIVE, 0, 0, NULL }
+#define OPTION_NESTED(more) { "--nested", NULL, \
+    "shells inside of others bound regions; default: every second one is a cavity" more, SWITCH, 0, 0, NULL }
 #define OPTION_NO_CHECK { "--no-check", NULL, "skip the exact check of the result", SWITCH, 0, 0, NULL }
 #define OPTION_NO_ORPHANS { "--no-orphans", NULL, \
     "leave points that are corners of nothing out of the output", SWITCH, 0, 0, NULL }
@@ -98,8 +102,8 @@ extern const char *const smoothers[];                /* laplace, lloyd, odt */
     "+ - * / ^ sqrt abs exp log sin cos min max hypot, or a\ncolumn with the size at each point, by its name or " \
     "as #4", FORMULA, 0, 0, NULL }
 #define OPTION_SMOOTH(help) { "--smooth", "WAY", help, CHOICE, 0, 0, smoothers }
-#define OPTION_TARGET { "--target", "DEGREES", \
-    "dihedral angles from this to 180 less this; default 30", WHOLE, 1, 60, NULL }
+#define OPTION_TARGET(more) { "--target", "DEGREES", \
+    "dihedral angles from this to 180 less this" more, WHOLE, 1, 60, NULL }
 
 /* ---- commands ---- */
 

@@ -12,9 +12,8 @@ static const option solid_options[] = {
     { "--curvature", "C", "edges of at most C / curvature, the root of its squares' sum; default: any", POSITIVE,
       0, 0, NULL },
     { "--around", "N", "edges around a circle, at least: as --curvature 2 pi / N", POSITIVE, 0, 0, NULL },
-    { "--gradation", "G", "sizes grow by at most G for each unit of length; default 0.35", POSITIVE, 0, 0, NULL },
-    { "--nested", NULL, "shells inside of others bound regions; default: every second one is a cavity,\n"
-      "and shells that cross are one body", SWITCH, 0, 0, NULL },
+    OPTION_GRADATION("sizes grow by at most G for each unit of length; default 0.35"),
+    OPTION_NESTED(",\nand shells that cross are one body"),
     { "--sharp", "WHICH", "sharp edges to keep: all, some (those that are sharp at the scale of the size), none,\n"
       "or auto, the default: by how many of them are", CHOICE, 0, 0, sharp_names },
     { "--close", NULL, "closes large holes, and fills thin sheets, which are refused else", SWITCH, 0, 0, NULL },
@@ -30,7 +29,7 @@ static const option solid_options[] = {
     { "--distance", "D", "facets farther than D sizes from the surface get points; default 0.1", POSITIVE, 0, 0,
       NULL },
     OPTION_ROUNDS("of adding points, at most, default 16, or 24 where tips need them"),
-    OPTION_TARGET,
+    OPTION_TARGET("; default 30"),
     OPTION_SECONDS,
     OPTION_QUALITY,
     { NULL, NULL, NULL, SWITCH, 0, 0, NULL }
