@@ -397,6 +397,9 @@ check "improve --quality" says 0 "gamma            least" improve low.msh --qual
 
 # Fill: the surface's own triangles; what is refused says where.
 check "fill" says 0 "tetrahedra in 1 region, 8 points, 0 of them new, 12 facets on the surface" fill cube.obj
+"$pbw" solid cube.obj --size 0.5 --quiet -o both.mesh
+check "fill of tetrahedra" says 0 "tetrahedra and their regions are not kept" fill both.mesh
+check "a solid of tetrahedra" says 0 "tetrahedra and their regions are not kept" solid both.mesh --size 0.5
 check "fill --conforming" says 0 "8 points, 0 of them new, 12 facets" fill cube.obj --conforming
 check "fill --split-flat" says 0 "14 points, 6 of them new, 24 facets" fill cube.obj --conforming --split-flat
 "$pbw" mesh --generate sphere 60 --quiet -o small.obj

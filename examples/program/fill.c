@@ -161,12 +161,9 @@ static int run(job *j)
     naming names;
     size_t i;
     int failed = load(j, 0);
-    failed = failed ? failed : complete_groups(j);
+    failed = failed ? failed : complete_faces(j);
     if (failed) {
         return failed;
-    }
-    if (j->cloud.dim != 3 || j->cloud.triangle_count == 0) {
-        return fail(j, "%s: it has no faces", j->input);
     }
     memset(&input, 0, sizeof input);
     input.points = j->cloud.points;

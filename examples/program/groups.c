@@ -96,6 +96,18 @@ int complete_groups(job *j)
          ? 0 : fail(j, "out of memory");
 }
 
+int complete_faces(job *j)
+{
+    if (j->cloud.dim != 3 || j->cloud.triangle_count == 0) {
+        return fail(j, "%s: it has no faces", j->input);
+    }
+    if (j->cloud.tetrahedron_count > 0) {
+        warn(j, "%s: its %zu tetrahedr%s and their regions are not kept; pbw improve keeps them", j->input,
+             j->cloud.tetrahedron_count, j->cloud.tetrahedron_count == 1 ? "on" : "a");
+    }
+    return complete_groups(j);
+}
+
 int find_patches(job *j, const pbw_index *simplices, size_t count)
 {
     const size_t n = (size_t)j->cloud.dim + 1;

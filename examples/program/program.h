@@ -257,6 +257,8 @@ int write_table(job *j, void (*emit)(void *user, FILE *file), void *user);      
 
 /* Where some elements of the cloud are in groups, all have a group, PBW_NONE if they are in none. */
 int complete_groups(job *j);
+/* The same of a surface in space.  Fails if it has no faces; warns of tetrahedra, which do not come out. */
+int complete_faces(job *j);
 /* Fills j->patches, one a corner: the group of the triangle, in the plane of the segment, across from it. */
 int find_patches(job *j, const pbw_index *simplices, size_t count);
 /* The outputs have the groups of the input's elements; j->mesh is of its simplices. */

@@ -408,12 +408,9 @@ static int run(job *j)
         return wrap_solid(j);
     }
     failed = load_sizes(j, 0);
-    failed = failed ? failed : complete_groups(j);
+    failed = failed ? failed : complete_faces(j);
     if (failed) {
         return failed;
-    }
-    if (j->cloud.dim != 3 || j->cloud.triangle_count == 0) {
-        return fail(j, "%s: it has no faces", j->input);
     }
     memset(&input, 0, sizeof input);
     input.points = j->cloud.points;
