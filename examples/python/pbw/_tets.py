@@ -68,7 +68,7 @@ class _Boundary(ctypes.Structure):
 
 
 _SHARP = ("auto", "all", "some", "none")          # as PBW_SOLID_SHARP_...
-_SIZE_AT = ctypes.CFUNCTYPE(_double, ctypes.c_void_p, ctypes.POINTER(_double))
+_AT_POINT = ctypes.CFUNCTYPE(_double, ctypes.c_void_p, ctypes.POINTER(_double))
 
 
 class _SolidReport(ctypes.Structure):
@@ -327,6 +327,17 @@ def improve(points, tets, target=30, seconds=0, feature_angle=40, regions=None, 
     return made
 
 
+def _at_points(function, thrown):
+    """Returns the C callback that calls a function of a point (x, y, z); what it raises goes to thrown."""
+    def at(user, point):
+        try:
+            return float(function((point[0], point[1], point[2])))
+        except BaseException as e:
+            thrown.append(e)
+            return np.inf
+    return _AT_POINT(at)
+
+
 def _longest(size, vertices):
     """Returns the largest size at the vertices and in their box; infinite ones are 1/40 of its diagonal."""
     if len(vertices) == 0 or not np.isfinite(vertices).all():
@@ -394,13 +405,7 @@ def solid(vertices, faces, size=0, target=30, feature_angle=40, rounds=0, patche
         return _filled(vertices, faces, size, target, most)
     thrown = []
     if callable(size):
-        def at(user, point):
-            try:
-                return float(size((point[0], point[1], point[2])))
-            except BaseException as e:
-                thrown.append(e)
-                return np.inf
-        keep = _SIZE_AT(at)
+        keep = _at_points(size, thrown)
         how.size_at = ctypes.cast(keep, ctypes.c_void_p)
     boundary = _Boundary()
 

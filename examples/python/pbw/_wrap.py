@@ -8,7 +8,7 @@ import numpy as np
 
 from . import _errors
 from ._library import _PROGRESS, _Watch, _copied, _fit, _library, _pointers, _run
-from ._tets import _check_number, _checked, _plain, improve
+from ._tets import _at_points, _check_number, _checked, _plain, improve
 
 _size, _double = ctypes.c_size_t, ctypes.c_double
 
@@ -43,7 +43,6 @@ class _WrapReport(ctypes.Structure):
 
 
 _fit(_library, 17, _WrapInput, _WrapOptions, _WrapResult, _WrapReport)
-_ALPHA_AT = ctypes.CFUNCTYPE(_double, ctypes.c_void_p, ctypes.POINTER(_double))
 _REFUSALS = {1: "there is nothing to wrap", 2: "all points are at one place: alpha says how large the wrap shall be",
              3: "the offset is below 1e-9 of the largest coordinate", 4: "more tetrahedra than most"}
 
@@ -116,13 +115,7 @@ def wrap(points, triangles=None, segments=None, singles=None, alpha=0, offset=0,
         how.seeds, how.seed_count = seeds.ctypes.data, len(seeds)
     thrown, status = [], []
     if callable(alpha):
-        def at(user, point):
-            try:
-                return float(alpha((point[0], point[1], point[2])))
-            except BaseException as e:
-                thrown.append(e)
-                return np.inf
-        keep = _ALPHA_AT(at)
+        keep = _at_points(alpha, thrown)
         how.alpha_at = ctypes.cast(keep, ctypes.c_void_p)
     result, report, stop = _WrapResult(), _WrapReport(), ctypes.c_int()
     watch = _Watch(ctypes.pointer(stop), _PROGRESS())
