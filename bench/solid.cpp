@@ -156,8 +156,7 @@ static void run_cgal(const char *path, double h)
     using namespace CGAL::parameters;
     const Criteria criteria(edge_size = h, facet_angle = 25, facet_size = h, facet_distance = 0.1 * h,
                             cell_radius_edge_ratio = 2, cell_size = h);
-    // By default it starts from 12 points, on rays from the centre of the box.  On the knot these all lie where the tube
-    // faces the centre, no dual edge of theirs meets the surface, and CGAL returns no tetrahedra.
+    // From its 12 points by default CGAL returns no tetrahedra of the knot.
     Complex made = CGAL::make_mesh_3<Complex>(domain, criteria, no_perturb(), no_exude(),
                                               mesh_3_options(number_of_initial_points = 100));
     const double refined = now();
