@@ -39,7 +39,8 @@
    2. Edges of the triangles are segments, but for those between coplanar ones.  A segment that is no edge of the
       triangulation gets a point, until all pieces of segments are edges (Si and Gaertner 2005).
    3. Then the constrained Delaunay triangulation exists, and is unique under pbw.h's tie rule (Shewchuk 1998).  Where
-      tetrahedra pass through a facet, they are replaced, on both sides, by gift-wrapping.
+      tetrahedra pass through a facet, both sides are filled again: each open face gets the visible vertex of which the
+      sphere holds no other.
    4. Unless options.conforming, added points are taken off the edges again: the tetrahedra at each are replaced by
       others without it, or a copy of it moves inside (George, Borouchaki and Saltel 2003 move points likewise).  Then
       the facets are the input's triangles.
@@ -122,8 +123,8 @@ enum {                                     /* why an input is refused, with PBW_
     PBW_FILL_OPEN,                         /* a triangle has the outside on both sides */
     PBW_FILL_TOO_FINE,                     /* the grid of 2^-29 of the box is too coarse for it */
     PBW_FILL_SEED,                         /* a seed lies on a facet, or two seeds of one region differ in number */
-    PBW_FILL_POINTS_LEFT                   /* it is filled, with PBW_OK, but points stay on edges: not conforming was
-                                              asked for */
+    PBW_FILL_POINTS_LEFT                   /* the status is PBW_OK, but some points stay on edges, without
+                                              options.conforming */
 };
 
 enum { PBW_FILL_PLACES = 8 };
@@ -136,7 +137,7 @@ typedef struct pbw_fill_report {
                                               points, or two triangles that cross on the grid only; SEED: the seed */
     size_t rounded;                        /* points of the result that are the input's, moved to the grid, by 2^-30
                                               of the box at most */
-    size_t doubles;                        /* triangles whose corners an earlier one has, left out */
+    size_t doubles;                        /* triangles with the corners of an earlier one, left out */
     size_t collapsed;                      /* triangles with two corners at one place, left out */
     size_t segments, facets;               /* edges that are kept, and flat facets */
     size_t missing_segments, missing_facets;         /* of the first triangulation */
@@ -750,7 +751,7 @@ static pbw_status pbwfill__make_edges(pbwfill__work *w, const pbw_index *order, 
                 break;
             }
             if (s >= w->corners.count) {
-                e.piece = 0;                         /* it is asked for */
+                e.piece = 0;                         /* the caller's segment */
             } else if (gone[s / 3] == 1) {
                 continue;
             } else if (w->corners.at[s] == last) {   /* sorted by corner, then by triangle: the first one stays */

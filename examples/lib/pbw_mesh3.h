@@ -90,8 +90,8 @@
 
    DOES NOT  settle at gaps of a shell below 1/10 of the size, nor always at acute edges: it warns.  Surfaces with
              walls below about 1/10 of the size on the whole are refused: report.thickness.
-             Shells may be nested or cross; the edges where they cross are sharp if all sharp edges are kept, but rounded
-             where triangles lie on each other.  If shells coincide only in part, or with other triangles, the space
+             Shells may be nested or cross; the edges where they cross are sharp if all sharp edges are kept, but
+             rounded where triangles lie on each other.  If shells coincide only in part, or with other triangles, the space
              between is no region, or noise.  Where four walls meet inside, facets of interfaces may cut the corner,
              by up to 0.15 sizes: see report.distance.  Points between two regions are not moved.
              Smooth tips sharper than a cone of 60 degrees may stay farther from the boundary than options.distance.
@@ -205,7 +205,7 @@ typedef struct pbw_solid_boundary {        /* of the result; pbw_solid_boundary_
 
 typedef struct pbw_solid_report {
     size_t open_edges, crowded_edges;      /* of the input: of one triangle, of more than two */
-    size_t doubles;                        /* of the input: triangles whose corners an earlier one has, left out */
+    size_t doubles;                        /* of the input: triangles with the corners of an earlier one, left out */
     size_t shells, holes;                  /* of the input: parts that edges of two triangles join; loops of open
                                               edges */
     pbw_solid_hole hole[PBW_SOLID_PLACES]; /* the largest of those */
@@ -2196,7 +2196,7 @@ static pbw_status pbwm3__sort_ends(pbwm3__work *w, pbwsf__pairs *list)
     return status;
 }
 
-/* Returns the first place in a sorted list whose key is not below. */
+/* Returns where the first key of a sorted list is that is not below `key`. */
 static size_t pbwm3__find_edge(const pbwsf__pairs *list, uint64_t key)
 {
     size_t low = 0, high = list->count;
@@ -2211,7 +2211,8 @@ static size_t pbwm3__find_edge(const pbwsf__pairs *list, uint64_t key)
     return low;
 }
 
-/* Returns whether the union is sharp at an edge, whose share of a small circle is outside. */
+/* Returns whether the union is sharp at an edge.  outside: the fraction of a small circle around the edge that is
+   outside of the union. */
 static int pbwm3__is_kink(const pbwm3__work *w, double outside)
 {
     return outside > 0 && outside < 1 && fabs(outside - 0.5) > acos(w->cosine) / 6.283185307179586;

@@ -1007,8 +1007,8 @@ static int pbwsf__list_edge(pbwsf__search *s, const pbw_index v[3], size_t from,
             && PBW_PUSH(s->memory, f->edge_triangles, (pbw_index)(end - from)));
 }
 
-/* Of sides from .. end - 1 of one edge, v, those whose third corner is the last: lists triangles given twice, which
-   leave the search as flat ones do. */
+/* Lists triangles given twice among the sides from .. end - 1 of one edge, v; each triangle counts at the edge across
+   from its last corner.  Like flat ones, they leave the search. */
 static int pbwsf__list_triangles(pbwsf__search *s, const pbw_index v[3], size_t from, size_t end)
 {
     pbw_index across = PBW_NONE, first = 0, w[3];
@@ -1215,7 +1215,7 @@ static int pbwsf__folded(const double *p, const double *q, const double *a, cons
     return pbwsf__turn(axis, p, q, b) == sign;
 }
 
-/* Returns whether two triangles whose boxes meet have more in common than corners and sides. */
+/* Returns whether two triangles have more in common than corners and sides.  Their boxes meet. */
 static int pbwsf__meet(const pbwsf__search *s, pbwsf__triangle *t, pbwsf__triangle *u)
 {
     int i, j, common = 0, in_t = -1, in_u = -1, sum_t = 0, sum_u = 0, of_t[3], of_u[3];
