@@ -39,8 +39,8 @@
    2. Edges of the triangles are segments, but for those between coplanar ones.  A segment that is no edge of the
       triangulation gets a point, until all pieces of segments are edges (Si and Gaertner 2005).
    3. Then the constrained Delaunay triangulation exists, and is unique under pbw.h's tie rule (Shewchuk 1998).  Where
-      tetrahedra pass through a facet, both sides are filled again: each open face gets the visible vertex of which the
-      sphere holds no other.
+      tetrahedra pass through a facet, both sides are filled again: each open face gets the visible vertex of which
+      the sphere holds no other.
    4. Unless options.conforming, added points are taken off the edges again: the tetrahedra at each are replaced by
       others without it, or a copy of it moves inside (George, Borouchaki and Saltel 2003 move points likewise).  Then
       the facets are the input's triangles.
