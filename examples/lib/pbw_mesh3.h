@@ -92,8 +92,8 @@
              walls below about 1/10 of the size on the whole are refused: report.thickness.
              Shells may be nested or cross; the edges where they cross are sharp if all sharp edges are kept, but
              rounded where triangles lie on each other.  If shells coincide only in part, or with other triangles, the
-             space between is no region, or noise.  Where four walls meet inside, facets of interfaces may cut the corner,
-             by up to 0.15 sizes: see report.distance.  Points between two regions are not moved.
+             space between is no region, or noise.  Where four walls meet inside, facets of interfaces may cut the
+             corner, by up to 0.15 sizes: see report.distance.  Points between two regions are not moved.
              Smooth tips sharper than a cone of 60 degrees may stay farther from the boundary than options.distance.
 
    CONFIGURATION MACROS
