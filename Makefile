@@ -79,13 +79,13 @@ help:
 	@echo 'make fuzz-cells  a million small inputs with cells in boxes, half-spaces, polygons, periodic boxes'
 	@echo 'CC=clang CXX=clang++ CFLAGS=-O3 B=build/clang  for any of them;  COUNT=n random inputs in tests'
 
-# Programs.  Each example is whole by itself, `cc -O2 -Iexamples/lib example.c -lpthread -lm`; here pbw.h, pbw_query.h
-# and pbw_live.h are compiled once, and the macros that mark their implementations leave them out of these.  IMPLEMENTED
-# does so for the companions, too.
-SHARED = -DPBW__IMPLEMENTED -DPBWQ__IMPLEMENTED -DPBWL__IMPLEMENTED
+# Programs.  Each example is whole by itself, `cc -O2 -Iexamples/lib example.c -lpthread -lm`; here pbw.h and
+# the headers that are compiled behind it are compiled once, and the macros that mark their implementations leave them
+# out of these.  IMPLEMENTED does so for the companions, too.
+SHARED = -DPBW__IMPLEMENTED -DPBWCK__IMPLEMENTED -DPBWQ__IMPLEMENTED -DPBWL__IMPLEMENTED
 IMPLEMENTED := $(SHARED) $(shell cd examples/lib && sed -n 's/^\#define \(PBW[A-Z0-9]*__IMPLEMENTED\)$$/-D\1/p' \
     $$(sed -n 's/^\#include "\(pbw_.*\)"$$/\1/p' ../program/library*.c))
-LIBRARY = pbw.h examples/lib/pbw_query.h examples/lib/pbw_live.h
+LIBRARY = pbw.h $(addprefix examples/lib/,pbw_check.h pbw_query.h pbw_live.h)
 $B/libpbw.a: examples/install/library.c $(LIBRARY)
 	@mkdir -p $B
 	$C -fPIC -c $< -o $B/libpbw.o
@@ -131,7 +131,7 @@ $B/test_digits: tests/test_predicates.c
 $B/test_live_local: tests/test_live.c
 
 $B/oracle_cgal: tests/oracle_cgal.cpp $(HEADERS) $B/libpbw.a
-	$(CXX) -std=c++17 -frounding-math $(CXXFLAGS) $< -o $@ $B/libpbw.a -lgmp -lmpfr $(LIBS)
+	$(CXX) -std=c++17 -frounding-math $(CXXFLAGS) -Iexamples/lib -I. $< -o $@ $B/libpbw.a -lgmp -lmpfr $(LIBS)
 
 # WebAssembly, as a package for `npm install ./build/web`, and index.html with all of it inside.  The stack lies first
 # in memory, so that an overflow stops the program instead of changing data.

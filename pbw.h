@@ -26,7 +26,6 @@
      pbw_triangulate         simplices, neighbours, duplicates and hidden points of points
      pbw_triangulatef        the same of floats
      pbw_free                frees a mesh
-     pbw_check               proves a mesh right, or says what is wrong
      pbw_hash                one number for a triangulation
      pbw_hash_parts          sums for the hash of a triangulation in parts
      pbw_hash_of             the hash of such sums
@@ -91,20 +90,19 @@
      >>parallel     ownership; a level by many threads
      >>number       canonical order
      >>output       from the store to the caller's arrays, in place
-     >>faults       the tests of a check, each of one point or simplex; its words
-     >>check        the exact verdict on a finished mesh
      >>hash         one number for a triangulation
      >>tools        what companion headers build on
-     >>seam         private names that pbw_query.h and pbw_live.h use
+     >>seam         private names that pbw_check.h, pbw_query.h and pbw_live.h use
      >>api          argument checks, the stages in order, backends, status texts
      >>history      versions
      >>license      MIT No Attribution
 
    DOES      Delaunay triangulations (weights NULL) and regular triangulations (weights given) of points in
              the plane and in space: simplices, neighbours, one incident simplex for each point, duplicates,
-             hidden points; an exact check and a hash of the result; exact predicates.
+             hidden points; a hash of the result; exact predicates.
    DOES NOT  which simplex contains a point, nearest vertices, interpolation (pbw_query.h does); points that come, go
-             and move (pbw_live.h); constraints, periodic domains, meshing (other companions); dimensions above 3.
+             and move (pbw_live.h); an exact check of a triangulation (pbw_check.h); constraints, periodic domains,
+             meshing (other companions); dimensions above 3.
 
    PROMISES  (and the test that guards each)
      exact       every sign is the true sign for every finite double; no epsilon anywhere   tests/test_predicates.c
@@ -333,19 +331,13 @@ struct pbw_backend {
     void *user;                            /* the backend's own */
 };
 
-typedef struct pbw_report {                /* what pbw_check found */
+typedef struct pbw_report {                /* what a check found: pbw_check in pbw_check.h, pbw_cuda_check */
     int valid;                             /* 1: the mesh is the triangulation that pbw_triangulate promises */
     const char *what;                      /* the first fault in words, "" if valid; never freed */
     pbw_index simplex, facet;              /* of the fault, or PBW_NONE; a facet by its opposite corner */
     pbw_index point;                       /* of the fault, or PBW_NONE */
     size_t vertex_count, facet_count, hull_facet_count;   /* counted until the first fault */
 } pbw_report;
-
-/* Checks a mesh in O(n), exactly and independently of how it was built: indices, orientation, adjacency, local
-   regularity of each facet under the tie rule, closure and convexity of the hull, single cover (hence Euler's
-   relation), duplicates and hidden points.  Needs mesh->neighbors.  A faulty mesh is no error: the status is PBW_OK
-   and report->valid is 0.  Of a mesh without simplices it checks that the points are PBW_DEGENERATE. */
-PBWDEF pbw_status pbw_check(const pbw_mesh *mesh, const pbw_options *options, pbw_report *report);
 
 /* Equal for two meshes if and only if (up to 2^-64 chance) they are the same triangulation of the same points:
    independent of the order of points and simplices, of ids, and of float or double input.  Returns 0 for an empty
@@ -2387,35 +2379,7 @@ static void pbw__grid_close(pbw__grid *grid, const pbw__grid_share *shares, int 
     }
 }
 
-/* The grid of records that exist already. */
-typedef struct pbw__grid_scanning {
-    const double *records;
-    int dim;
-    size_t grain;
-    pbw__grid_share share[64];                       /* of each range */
-} pbw__grid_scanning;
 
-static pbw_status pbw__grid_scan_range(void *arg, size_t from, size_t to)
-{
-    pbw__grid_scanning *scanning = (pbw__grid_scanning *)arg;
-    pbw__grid_share *share = scanning->share + from / scanning->grain;
-    pbw__grid_share_reset(share);
-    pbw__grid_add(share, scanning->records + from * (size_t)(scanning->dim + 1), to - from, scanning->dim,
-                  scanning->dim + 1);
-    return PBW_OK;
-}
-
-static void pbw__grid_scan(pbw__context *context, const double *records, size_t count, int dim, pbw__grid *grid)
-{
-    pbw__grid_scanning scanning;
-    memset(grid, 0, sizeof(*grid));
-    scanning.records = records;
-    scanning.dim = dim;
-    scanning.grain = count / 64 + PBW__TICK;
-    if (pbw__for_range(context, count, scanning.grain, 0.0, pbw__grid_scan_range, &scanning) == PBW_OK) {
-        pbw__grid_close(grid, scanning.share, (int)((count + scanning.grain - 1) / scanning.grain), dim);
-    }
-}
 /* ------------------------------------------------------------------------------------------------------
    >>predicates   Signs: filter, integers, pairs of doubles, exact determinant; and the verdict on ties.
    In: records of the kernel, {x, y, w} in the plane and {x, y, z, w} in space; w = 0 without weights; all finite.
@@ -8713,773 +8677,6 @@ static pbw_status pbw__number_along_curve(pbw__context *context, pbw__vertices *
     return PBW_OK;
 }
 /* ------------------------------------------------------------------------------------------------------
-   >>faults       The tests of >>check, a point or simplex each, and what they find, with its words; for CPU and GPU.
-   In: a mesh and its points as records.  Out: 1, or 0 and the fault.  A thread without a pool may find
-   PBW__FAULT_OPEN: no verdict yet.  Functions that are called for each simplex take the dimension as an argument, so
-   that it is a constant there.
-   ------------------------------------------------------------------------------------------------------ */
-/* F(name, words) of each. */
-#define PBW__FAULTS(F) \
-    F(FINITE, "a coordinate or weight is not finite") \
-    F(CANONICAL, "the canonical point is none") \
-    F(PLACE, "a duplicate is not where its canonical point is") \
-    F(RIGHT, "a duplicate has the better right to be canonical") \
-    F(VERTEX, "a duplicate is a vertex") \
-    F(INCIDENT, "the incident simplex of a vertex does not have it") \
-    F(CORNER, "a corner is no point") \
-    F(FIRST, "the incident simplex of a corner is not the first that has it") \
-    F(NEGATIVE, "a simplex is negatively oriented") \
-    F(FLAT, "a simplex is flat") \
-    F(OVERLAP, "two simplices overlap, the first of the mesh and this") \
-    F(INWARD, "a hull facet faces inward") \
-    F(OTHER, "a neighbor is no other simplex") \
-    F(BACK, "a neighbor does not name the simplex once") \
-    F(FACET, "neighbors do not share the facet from opposite sides") \
-    F(CONFLICT, "the corner across a facet is in conflict") \
-    F(CONVEX, "the hull is not convex") \
-    F(OUTSIDE, "a point outside the hull is no vertex") \
-    F(REPEATED, "a point at a vertex is no duplicate of it") \
-    F(UNHIDDEN, "a point that is no vertex is not hidden") \
-    F(TWICE, "two points at one place are no duplicates") \
-    F(SPAN, "the points span a simplex but there is none") \
-    F(DUPLICATES, "duplicate_count is wrong") \
-    F(HIDDEN, "hidden_count is wrong")
-#define PBW__FAULT_NUMBER(name, words) , PBW__FAULT_##name
-#define PBW__FAULT_WORDS(name, words) , words
-enum { PBW__FAULT_OPEN = -1, PBW__SOUND PBW__FAULTS(PBW__FAULT_NUMBER) };
-static const char *const pbw__fault_words[] = { "" PBW__FAULTS(PBW__FAULT_WORDS) };
-
-typedef struct pbw__tested {                         /* a mesh */
-    const pbw_index *simplices, *neighbors, *incident, *canonical;
-    const double *record;                            /* of all points: coordinates, weight */
-    size_t point_count, simplex_count;
-    pbw__grid grid;
-    int dim, linked;                                 /* linked: the neighbours are known to be sound */
-} pbw__tested;
-
-typedef struct pbw__finding {                        /* of a thread: the first fault, and what it counted before */
-    pbw__digit *pool;                                /* room for the last exact stage, or NULL */
-    int fault, facet;
-    pbw_index simplex, point;
-    size_t counted[3];                               /* vertices, others, duplicates; or facets, those of the hull */
-} pbw__finding;
-
-PBW__INLINE int pbw__find_fault(pbw__finding *found, int fault, size_t simplex, int facet, size_t point)
-{
-    found->fault = fault;
-    found->simplex = (pbw_index)simplex;
-    found->facet = facet;
-    found->point = (pbw_index)point;
-    return 0;
-}
-
-PBW__INLINE const double *pbw__test_record(const pbw__tested *mesh, int dim, size_t point)
-{
-    return mesh->record + point * (size_t)(dim + 1);
-}
-
-PBW__INLINE void pbw__test_corners(const pbw__tested *mesh, int dim, size_t simplex, const double **x)
-{
-    int i;
-    for (i = 0; i <= dim; i++) {
-        x[i] = pbw__test_record(mesh, dim, mesh->simplices[simplex * (size_t)(dim + 1) + (size_t)i]);
-    }
-}
-
-/* Returns corner i of simplex 0; one that is no point is a fault that the tests find. */
-PBW__INLINE const double *pbw__test_basis(const pbw__tested *mesh, int dim, int i)
-{
-    return pbw__test_record(mesh, dim, mesh->simplices[i] < mesh->point_count ? mesh->simplices[i] : 0);
-}
-
-/* As pbw__side. */
-PBW__INLINE int pbw__test_side(const pbw__tested *mesh, int dim, const double *const *x, int i, const double *p,
-                               pbw__digit *pool)
-{
-    const double *row[4] = { x[0], x[1], x[2], x[dim] };
-    row[i] = p;
-    return pbw__orient_in(pool, dim, row, &mesh->grid);
-}
-
-/* Returns whether the point o of >>check is on the inner side of a facet of the simplex x, or PBW__OPEN.  The
-   point o is infinitely near a, then b, then c: the first of orient(facet, a), orient(facet, b), ... that is not 0
-   decides, as an orientation is affine in o. */
-PBW__DEVICE static PBW__NOINLINE int pbw__faces_inside(const pbw__tested *mesh, const double *const *x, int facet,
-                                                       pbw__digit *pool)
-{
-    int sign = 0, i;
-    for (i = 0; i <= mesh->dim && sign == 0; i++) {
-        sign = pbw__test_side(mesh, mesh->dim, x, facet, pbw__test_basis(mesh, mesh->dim, i), pool);
-    }
-    return sign == PBW__OPEN ? PBW__OPEN : sign > 0;
-}
-
-/* Returns whether the simplex x holds o, which is infinitely close to a: so a must be in the closed box of x. */
-PBW__INLINE int pbw__test_covers(const pbw__tested *mesh, int dim, const double *const *x, pbw__digit *pool)
-{
-    const double *a = pbw__test_basis(mesh, dim, 0);
-    int covers = 1, i, k;
-    for (k = 0; k < dim; k++) {
-        int below = 0, above = 0;
-        for (i = 0; i <= dim; i++) {
-            below |= x[i][k] <= a[k];
-            above |= x[i][k] >= a[k];
-        }
-        if (!(below && above)) {
-            return 0;
-        }
-    }
-    for (i = 0; i <= dim && covers == 1; i++) {
-        covers = pbw__faces_inside(mesh, x, i, pool);
-    }
-    return covers;
-}
-
-PBW__INLINE int pbw__test_point(const pbw__tested *mesh, int dim, size_t p, pbw__finding *found)
-{
-    const size_t kept = mesh->canonical[p], first = mesh->incident[p];
-    if (kept == PBW_NONE && first == PBW_NONE) {     /* a free number of pbw_live_view */
-        return 1;
-    }
-    if (kept >= mesh->point_count || mesh->canonical[kept] != kept) {
-        return pbw__find_fault(found, PBW__FAULT_CANONICAL, PBW_NONE, -1, p);
-    }
-    if (kept != p) {
-        const double *x = pbw__test_record(mesh, dim, p), *y = pbw__test_record(mesh, dim, kept);
-        if (!pbw__same_place(x, y, dim)) {
-            return pbw__find_fault(found, PBW__FAULT_PLACE, PBW_NONE, -1, p);
-        }
-        if (x[dim] != y[dim] ? x[dim] > y[dim] : p < kept) {
-            return pbw__find_fault(found, PBW__FAULT_RIGHT, PBW_NONE, -1, p);
-        }
-        if (first != PBW_NONE) {
-            return pbw__find_fault(found, PBW__FAULT_VERTEX, first, -1, p);
-        }
-        found->counted[2]++;
-    } else if (first != PBW_NONE) {
-        int has = 0, k;
-        for (k = 0; k <= dim && first < mesh->simplex_count; k++) {
-            has |= mesh->simplices[first * (size_t)(dim + 1) + (size_t)k] == p;
-        }
-        if (!has) {
-            return pbw__find_fault(found, PBW__FAULT_INCIDENT, first, -1, p);
-        }
-        found->counted[0]++;
-    } else {
-        found->counted[1]++;
-    }
-    return 1;
-}
-
-/* Have v without corner i and u without corner j the same vertices, and does v with u[j] for v[i] become u by an odd
-   permutation?  Then u[j] and v[i] are on opposite sides of the facet, given that v and u are positively oriented.
-   The parity is that of the facet's vertices, and of the ways of i and j to the end. */
-PBW__INLINE int pbw__facets_match(const pbw_index *v, int i, const pbw_index *u, int j, int dim)
-{
-    int place[3], found = 0, odd = (i + j) & 1, k, m;
-    for (k = 0; k < dim; k++) {
-        pbw_index vertex = v[k + (k >= i)];
-        place[k] = 0;
-        for (m = 0; m <= dim; m++) {
-            int here = u[m] == vertex && m != j;
-            place[k] += here ? m : 0;
-            found += here;
-        }
-        for (m = 0; m < k; m++) {
-            odd ^= place[m] > place[k];
-        }
-    }
-    return odd && found == dim;
-}
-
-/* One facet of simplex s, whose corners are known to be right; each facet between two simplices is compared and
-   tested once, from the higher of the two. */
-PBW__INLINE int pbw__test_facet(const pbw__tested *mesh, int dim, size_t s, int i, const double *const *x,
-                                pbw__finding *found)
-{
-    const size_t corners = (size_t)dim + 1;
-    const pbw_index t = mesh->neighbors[s * corners + (size_t)i], *u, *back;
-    int links = 0, j = 0, m;
-    if (t == PBW_NONE) {
-        found->counted[0]++;
-        found->counted[1]++;
-        m = pbw__faces_inside(mesh, x, i, found->pool);
-        return m == 1 || pbw__find_fault(found, m == PBW__OPEN ? PBW__FAULT_OPEN : PBW__FAULT_INWARD, s, i, PBW_NONE);
-    }
-    if (t >= mesh->simplex_count || t == s) {
-        return pbw__find_fault(found, PBW__FAULT_OTHER, s, i, PBW_NONE);
-    }
-    if (mesh->linked && t > s) {
-        return 1;
-    }
-    u = mesh->simplices + t * corners;
-    back = mesh->neighbors + t * corners;
-    for (m = 0; m <= dim; m++) {
-        links += back[m] == s;
-        j = back[m] == s ? m : j;
-    }
-    if (links != 1) {
-        return pbw__find_fault(found, PBW__FAULT_BACK, s, i, PBW_NONE);
-    }
-    if (t > s) {
-        return 1;
-    }
-    found->counted[0]++;
-    if (u[j] >= mesh->point_count) {
-        return 1;                                    /* another test's to tell: t comes before s */
-    }
-    if (!pbw__facets_match(mesh->simplices + s * corners, i, u, j, dim)) {
-        return pbw__find_fault(found, PBW__FAULT_FACET, s, i, PBW_NONE);
-    }
-    m = pbw__conflict_in(found->pool, dim, x, pbw__test_record(mesh, dim, u[j]), &mesh->grid);
-    return m == 0 || pbw__find_fault(found, m == PBW__OPEN ? PBW__FAULT_OPEN : PBW__FAULT_CONFLICT, s, i, u[j]);
-}
-
-PBW__INLINE int pbw__test_simplex(const pbw__tested *mesh, int dim, size_t s, pbw__finding *found)
-{
-    const pbw_index *v = mesh->simplices + s * (size_t)(dim + 1);
-    const double *x[4];
-    int i, sign, sound = 1;
-    for (i = 0; i <= dim; i++) {
-        if (v[i] >= mesh->point_count) {
-            return pbw__find_fault(found, PBW__FAULT_CORNER, s, -1, v[i]);
-        }
-        if (mesh->incident[v[i]] > s) {              /* PBW_NONE is; that it has v[i] is known */
-            return pbw__find_fault(found, PBW__FAULT_FIRST, s, -1, v[i]);
-        }
-    }
-    pbw__test_corners(mesh, dim, s, x);
-    sign = pbw__orient_in(found->pool, dim, x, &mesh->grid);
-    if (sign != 1) {
-        return pbw__find_fault(found, sign == PBW__OPEN ? PBW__FAULT_OPEN
-                                      : sign < 0 ? PBW__FAULT_NEGATIVE : PBW__FAULT_FLAT, s, -1, PBW_NONE);
-    }
-    sign = s > 0 ? pbw__test_covers(mesh, dim, x, found->pool) : 0;  /* simplex 0 holds o: it is oriented */
-    if (sign != 0) {
-        return pbw__find_fault(found, sign == PBW__OPEN ? PBW__FAULT_OPEN : PBW__FAULT_OVERLAP, s, -1, PBW_NONE);
-    }
-    for (i = 0; i <= dim && sound; i++) {
-        sound = pbw__test_facet(mesh, dim, s, i, x, found);
-    }
-    return sound;
-}
-
-/* A way around a ridge, from simplex to simplex: `in` is across from the facet by which the ridge's next simplex was
-   entered, `out` across from the one by which it is left.  Each simplex around a ridge has one predecessor and one
-   successor there, so the way from a hull facet cannot close: it ends at another. */
-typedef struct pbw__turn { size_t simplex; int in, out; } pbw__turn;
-
-/* Goes on to the next simplex; returns 0 at the hull. */
-PBW__INLINE int pbw__turn_on(const pbw__tested *mesh, int dim, pbw__turn *turn)
-{
-    const size_t corners = (size_t)dim + 1;
-    const pbw_index *v = mesh->simplices, *n = mesh->neighbors;
-    const size_t next = n[turn->simplex * corners + (size_t)turn->out];
-    size_t entry = 0, exit = 0;
-    if (next == PBW_NONE) {
-        return 0;
-    }
-    while (n[next * corners + entry] != turn->simplex) {
-        entry++;
-    }
-    while (v[next * corners + exit] != v[turn->simplex * corners + (size_t)turn->in]) {
-        exit++;
-    }
-    turn->simplex = next;
-    turn->in = (int)entry;
-    turn->out = (int)exit;
-    return 1;
-}
-
-/* The ridge between facet i of simplex s and another hull facet, where the way around it has ended; tested from the
-   simplex of lower number. */
-PBW__INLINE int pbw__test_ridge(const pbw__tested *mesh, int dim, size_t s, int i, const pbw__turn *end,
-                                pbw__finding *found)
-{
-    const pbw_index far = mesh->simplices[end->simplex * (size_t)(dim + 1) + (size_t)end->in];
-    const double *x[4] = { NULL };
-    int sign;
-    if (end->simplex < s) {
-        return 1;
-    }
-    pbw__test_corners(mesh, dim, s, x);
-    sign = pbw__test_side(mesh, dim, x, i, pbw__test_record(mesh, dim, far), found->pool);
-    return (sign >= 0 && sign != PBW__OPEN)
-        || pbw__find_fault(found, sign < 0 ? PBW__FAULT_CONVEX : PBW__FAULT_OPEN, s, i, far);
-}
-
-/* A visibility walk to a point that is no vertex. */
-typedef struct pbw__visit { pbw_index point, here, last; } pbw__visit;
-
-/* Goes on to the next simplex; returns 0 where the walk ends, then facet is the one that the point is beyond, -1 if
-   none, or the fault is open. */
-PBW__INLINE int pbw__visit_on(const pbw__tested *mesh, int dim, pbw__visit *visit, pbw__finding *found)
-{
-    const pbw_index *next = mesh->neighbors + visit->here * (size_t)(dim + 1);
-    const double *p = pbw__test_record(mesh, dim, visit->point), *x[4] = { NULL };
-    int sign = 0, i;
-    pbw__test_corners(mesh, dim, visit->here, x);
-    for (i = 0; i <= dim; i++) {
-        sign = next[i] == visit->last ? 0 : pbw__test_side(mesh, dim, x, i, p, found->pool);
-        if (sign < 0 || sign == PBW__OPEN) {
-            break;
-        }
-    }
-    if (i > dim || sign == PBW__OPEN || next[i] == PBW_NONE) {
-        return pbw__find_fault(found, sign == PBW__OPEN ? PBW__FAULT_OPEN : PBW__SOUND, visit->here, i > dim ? -1 : i,
-                               visit->point);
-    }
-    visit->last = visit->here;
-    visit->here = next[i];
-    return 1;
-}
-
-/* The point, where the walk to it has ended. */
-PBW__INLINE int pbw__test_visited(const pbw__tested *mesh, int dim, const pbw__visit *visit, pbw__finding *found)
-{
-    const double *p = pbw__test_record(mesh, dim, visit->point), *x[4] = { NULL };
-    int verdict, i;
-    if (found->fault == PBW__FAULT_OPEN) {
-        return 0;
-    }
-    if (found->facet >= 0) {
-        return pbw__find_fault(found, PBW__FAULT_OUTSIDE, visit->here, found->facet, visit->point);
-    }
-    pbw__test_corners(mesh, dim, visit->here, x);
-    for (i = 0; i <= dim; i++) {
-        if (pbw__same_place(p, x[i], dim)) {
-            return pbw__find_fault(found, PBW__FAULT_REPEATED, visit->here, -1, visit->point);
-        }
-    }
-    verdict = pbw__conflict_in(found->pool, dim, x, p, &mesh->grid);
-    return verdict == 0 || pbw__find_fault(found, verdict == PBW__OPEN ? PBW__FAULT_OPEN : PBW__FAULT_UNHIDDEN,
-                                           visit->here, -1, visit->point);
-}
-
-/* ------------------------------------------------------------------------------------------------------
-   >>check        The exact verdict on a finished mesh.
-   In: the public arrays of a mesh.  Out: a report; the first fault has a name and a place.
-   Shared with the construction: the exact signs, the allocator, the threads, and the keys of the Hilbert curve and
-   their sort, with which points are listed that no simplex has.  Expected linear time: three passes over points and
-   simplices, and walks to hidden points in the order of the curve.  Memory: dim+1 doubles a point, 16 bytes a hidden
-   point.  A pass is cut into ranges of one size; the fault of the first range that has one is reported, with what was
-   counted before, so the report is the same for every number of threads.
-
-   What is tested, and why it is enough.  Write d for the dimension.
-
-   Simplices, facets.  Each simplex is positively oriented.  Each facet has no neighbour, then it is a hull facet;
-   or two simplices share it, each names the other once, and their far corners are on opposite sides: that is a
-   parity, as both are positive.  For a point x on no facet let N(x) be the number of simplices that hold x.  On
-   the way through a shared facet one simplex is left and one is entered; so N changes at hull facets only, by one
-   for each.
-
-   Hull, cover.  Let o be the point a + e(b-a) + e^2(c-a) + ..., e infinitesimal, in simplex 0 = a b c ...: it is
-   strictly inside, and in no fixed hyperplane at all.  Tested: each hull facet has o strictly on its inner side,
-   and N(o) = 1.  A generic ray from o leaves one simplex for nothing at each hull facet that it meets: there N
-   falls by one.  It never rises, and is 0 at last; so the ray meets exactly N(o) = 1 hull facets.  Hence the hull
-   facets bound a body K that is star-shaped about o, and N is 1 in K and 0 outside: the simplices tile K, once.
-
-   Convexity.  Two hull facets that follow each other around a ridge, found by turning about it through the
-   simplices, induce opposite orientations on it and both have o inside; so, seen from o, they leave it to
-   different sides: no facet folds back onto its neighbour, not even in its plane.  Tested: the far corner of one
-   is not strictly outside the other.  Cut K by the plane through o and two of its points x, y in general
-   position: the section is a polygon, star-shaped about o; its corners lie on ridges only and have angles of at
-   most pi.  So it is convex and holds the segment xy; by continuity, K is convex.  (Mehlhorn et al. 1999,
-   "Checking geometric programs or verification of geometric structures", test polytopes in this way.  The
-   simplices inside spare us the theorems on immersed locally convex surfaces, van Heijenoort 1952.)  Euler's
-   relation is a consequence, and so is that no two vertices are at one place: the star of either would cover the
-   part of K around it.
-
-   Regularity.  Let F be the function on K that is affine on each simplex and equals the lift |p|^2 - w at the
-   vertices, the lifts perturbed (finitely many signs are concerned, so one small positive perturbation serves
-   all).  Tested: across each shared facet the far corner lies strictly above the hyperplane of the lifted
-   simplex.  So F is convex along each segment that avoids the faces of dimension d-2, by continuity it is convex,
-   and it bends strictly at each facet: it is the lower hull of the lifted vertices, and the simplices are the
-   regular triangulation of the vertices (Edelsbrunner and Shah 1996, "Incremental topological flipping works for
-   regular triangulations").
-
-   Other points.  A duplicate has the place of its canonical point and no better right to be it.  Any other point
-   that is no vertex must lie in K and have its lift above F, else it would be a vertex.  F is continuous, so any
-   one simplex that has the point inside or on its boundary decides, be it on a shared facet or on the hull.  The
-   walk there crosses facets between the simplex and the point only, and in a regular triangulation such a walk
-   never comes back (Edelsbrunner 1990, "An acyclicity theorem for cell complexes in d dimensions"), so it ends.
-   These points are pairwise at different places: those of equal hash are compared; and at no vertex: they are
-   compared with the corners of their simplex.
-   ------------------------------------------------------------------------------------------------------ */
-typedef struct pbw__check {
-    const pbw_mesh *mesh;
-    pbw_report *report;
-    pbw__context *context;
-    pbw__tested tested;
-    double *record;                                  /* tested.record, while it is filled */
-    pbw__finding found;                              /* in the last pass: its first fault; what it counted before */
-    const double *basis[4];                          /* degenerate: independent points */
-    int dim, rank;                                   /* points in the basis */
-    size_t *others;                                  /* in each range of points; then where to list them */
-    size_t other_count;                              /* others are canonical, but no vertices */
-    uint64_t *by_hash, *other;                       /* each other point, as sort key << 32 | point */
-    pbw__box box;                                    /* of the others */
-    pbw__curve curve;
-    pbw_status status;
-} pbw__check;
-
-typedef struct pbw__check_part {                     /* what is found in one range of a pass */
-    pbw__finding found;
-    pbw__box box;                                    /* of the others; empty in other passes */
-    pbw_index hint;                                  /* where the last walk ended */
-} pbw__check_part;
-
-/* Checks the items from, ..., to - 1; returns 0 at a fault, or if cancelled. */
-typedef int pbw__check_items(pbw__check *check, pbw__check_part *part, size_t from, size_t to);
-
-typedef struct pbw__checking {
-    pbw__check *check;
-    pbw__check_items *items;
-    pbw__check_part *part;                           /* one for each range of PBW__CHECKED items */
-} pbw__checking;
-#define PBW__CHECKED ((size_t)1024)
-
-static int pbw__fault(pbw_report *report, int fault, size_t simplex, int facet, size_t point)
-{
-    report->what = pbw__fault_words[fault];
-    report->simplex = (pbw_index)simplex;
-    report->facet = (pbw_index)facet;
-    report->point = (pbw_index)point;
-    return 0;
-}
-
-static pbw_status pbw__check_range(void *arg, size_t from, size_t to)
-{
-    const pbw__checking *checking = (const pbw__checking *)arg;
-    pbw__digit pool[PBW__POOL];
-    pbw__check_part part;                            /* on the stack: no false sharing with other tasks */
-    int sound;
-    memset(&part, 0, sizeof(part));
-    part.found.pool = pool;
-    pbw__box_reset(&part.box, 0);
-    sound = checking->items(checking->check, &part, from, to);
-    part.found.pool = NULL;
-    checking->part[from / PBW__CHECKED] = part;
-    return sound ? PBW_OK : PBW_DEGENERATE;
-}
-
-/* One pass over count items; progress goes on to `end`.  Returns 0 to stop: a fault, cancelled, or out of memory. */
-static int pbw__check_pass(pbw__check *check, pbw__check_items *items, size_t count, double end)
-{
-    const size_t parts = count / PBW__CHECKED + 1;
-    pbw__checking checking = { check, items, NULL };
-    pbw__finding *found = &check->found;
-    pbw_status status;
-    size_t i;
-    int k;
-    checking.part = (pbw__check_part *)pbw__allocate_large(check->context, parts, sizeof(pbw__check_part));
-    if (checking.part == NULL) {
-        check->status = PBW_ERROR_MEMORY;
-        return 0;
-    }
-    memset(checking.part, 0, parts * sizeof(pbw__check_part));
-    memset(found->counted, 0, sizeof(found->counted));
-    status = pbw__for_range(check->context, count, PBW__CHECKED, end, pbw__check_range, &checking);
-    for (i = 0; i * PBW__CHECKED < count && found->fault == PBW__SOUND; i++) {
-        const pbw__check_part *part = checking.part + i;
-        for (k = 0; k < 3; k++) {
-            found->counted[k] += part->found.counted[k];
-        }
-        if (part->box.low[0] <= part->box.high[0]) {
-            pbw__box_add(&check->box, part->box.low, check->dim);
-            pbw__box_add(&check->box, part->box.high, check->dim);
-        }
-        if (part->found.fault != PBW__SOUND) {
-            (void)pbw__find_fault(found, part->found.fault, part->found.simplex, part->found.facet,
-                                  part->found.point);
-        }
-    }
-    pbw__release(&check->context->memory, checking.part, parts, sizeof(pbw__check_part));
-    return status == PBW_OK;
-}
-
-/* The points as records. */
-static int pbw__check_finite(pbw__check *check, pbw__check_part *part, size_t from, size_t to)
-{
-    const pbw_mesh *mesh = check->mesh;
-    const double *w = mesh->weights;
-    const size_t dim = (size_t)check->dim;
-    size_t p, k;
-    for (p = from; p < to; p++) {
-        double *x = check->record + p * (dim + 1);
-        for (k = 0; k <= dim; k++) {
-            x[k] = (k < dim ? mesh->points[p * dim + k] : w != NULL ? w[p] : 0.0) + 0.0;
-            if (!(x[k] - x[k] == 0.0)) {
-                return pbw__find_fault(&part->found, PBW__FAULT_FINITE, PBW_NONE, -1, p);
-            }
-        }
-    }
-    return 1;
-}
-
-static int pbw__check_points(pbw__check *check, pbw__check_part *part, size_t from, size_t to)
-{
-    size_t *others = check->others + from / PBW__CHECKED;
-    int sound = 1;
-    for (; from < to && sound; from++) {
-        sound = pbw__test_point(&check->tested, check->dim, from, &part->found);
-    }
-    *others = part->found.counted[1];
-    return sound;
-}
-
-static int pbw__check_simplices(pbw__check *check, pbw__check_part *part, size_t from, size_t to)
-{
-    int sound = 1;
-    for (; from < to && sound; from++) {
-        sound = check->dim == 2 ? pbw__test_simplex(&check->tested, 2, from, &part->found)
-                                : pbw__test_simplex(&check->tested, 3, from, &part->found);
-    }
-    return sound;
-}
-
-static int pbw__check_hull(pbw__check *check, pbw__check_part *part, size_t from, size_t to)
-{
-    const pbw__tested *mesh = &check->tested;
-    const int dim = check->dim;
-    size_t steps = 0, s;
-    int i, k;
-    for (s = from; s < to; s++) {
-        for (i = 0; i <= dim; i++) {
-            for (k = 0; k <= dim && mesh->neighbors[s * (size_t)(dim + 1) + (size_t)i] == PBW_NONE; k++) {
-                pbw__turn turn = { s, i, k };
-                if (k == i) {
-                    continue;
-                }
-                while (pbw__turn_on(mesh, dim, &turn)) {
-                    if ((++steps & (PBW__TICK - 1)) == 0 && pbw__report(check->context, 0.85)) {
-                        return 0;                    /* a single ridge may have them all */
-                    }
-                }
-                if (!pbw__test_ridge(mesh, dim, s, i, &turn, &part->found)) {
-                    return 0;
-                }
-            }
-        }
-    }
-    return 1;
-}
-
-/* Visibility walk to each of the other points, from where the last one ended. */
-static int pbw__check_hidden(pbw__check *check, pbw__check_part *part, size_t from, size_t to)
-{
-    size_t steps = 0;
-    while (from < to) {
-        pbw__visit visit = { (uint32_t)check->other[from], part->hint, part->hint };
-        while (pbw__visit_on(&check->tested, check->dim, &visit, &part->found)) {
-            if ((++steps & 1023) == 0 && pbw__report(check->context, 0.94)) {
-                return 0;
-            }
-        }
-        if (pbw__test_visited(&check->tested, check->dim, &visit, &part->found)) {
-            part->hint = visit.here;
-            from++;
-        } else if (part->hint != 0) {
-            part->hint = 0;                          /* reported as a walk from simplex 0 finds it, in every part */
-        } else {
-            return 0;
-        }
-    }
-    return 1;
-}
-
-/* Stops at the first point that is independent of the basis. */
-static int pbw__check_flat(pbw__check *check, pbw__check_part *part, size_t from, size_t to)
-{
-    const double *a[4] = { check->basis[0], check->basis[1], check->basis[2], NULL };
-    for (; from < to; from++) {
-        const double *x = pbw__test_record(&check->tested, check->dim, from);
-        a[check->dim] = x;
-        if (check->mesh->canonical[from] == PBW_NONE) {
-            continue;
-        }
-        if (check->rank == check->dim ? pbw__orient(check->dim, a, &check->tested.grid) != 0
-            : check->rank == 2 ? !pbw__collinear3(a[0], a[1], x, &check->tested.grid)
-                               : check->rank == 0 || !pbw__same_place(a[0], x, check->dim)) {
-            return pbw__find_fault(&part->found, PBW__FAULT_SPAN, PBW_NONE, -1, from);
-        }
-    }
-    return 1;
-}
-
-/* No simplices: all points lie in the hyperplane of the first that are independent, if there are dim of them. */
-static int pbw__check_span(pbw__check *check)
-{
-    for (;;) {
-        const int going = pbw__check_pass(check, pbw__check_flat, check->mesh->point_count, 0.9);
-        if (check->found.fault != PBW__FAULT_SPAN || check->rank == check->dim) {
-            return going;
-        }
-        check->basis[check->rank++] = pbw__test_record(&check->tested, check->dim, check->found.point);
-        (void)pbw__find_fault(&check->found, PBW__SOUND, PBW_NONE, -1, PBW_NONE);
-    }
-}
-
-/* Lists the points of a range that are neither duplicates nor vertices. */
-static int pbw__check_gather(pbw__check *check, pbw__check_part *part, size_t from, size_t to)
-{
-    size_t next = check->others[from / PBW__CHECKED];
-    for (; from < to; from++) {
-        if (check->mesh->canonical[from] == from && check->mesh->incident[from] == PBW_NONE) {
-            const double *x = pbw__test_record(&check->tested, check->dim, from);
-            check->by_hash[next++] = (pbw__hash_doubles(0, x, check->dim) & ~(uint64_t)UINT32_MAX) | (uint64_t)from;
-            pbw__box_add(&part->box, x, check->dim);
-        }
-    }
-    return 1;
-}
-
-/* Points of equal hash must be at different places; then lists the points by the keys of the Hilbert curve. */
-static int pbw__check_apart(pbw__check *check, pbw__check_part *part, size_t from, size_t to)
-{
-    const uint64_t *key = check->by_hash;
-    size_t k, m;
-    for (k = from; k < to; k++) {
-        const double *x = pbw__test_record(&check->tested, check->dim, (uint32_t)key[k]);
-        for (m = k + 1; m < check->other_count && key[m] >> 32 == key[k] >> 32; m++) {
-            uint32_t p = (uint32_t)key[m];
-            if (pbw__same_place(x, pbw__test_record(&check->tested, check->dim, p), check->dim)) {
-                return pbw__find_fault(&part->found, PBW__FAULT_TWICE, PBW_NONE, -1, p);
-            }
-        }
-        check->other[k] = pbw__hilbert_key(check->curve.step, &check->box, x, check->dim,
-                                           check->curve.levels) << 32 | (uint32_t)key[k];
-    }
-    return 1;
-}
-
-/* Checks the points that are neither duplicates nor vertices.  Returns 0 to stop: a fault, cancelled, or no
-   memory. */
-static int pbw__check_others(pbw__check *check)
-{
-    pbw__context *context = check->context;
-    pbw_memory *memory = &context->memory;
-    const size_t count = check->other_count;
-    const int bits = check->dim == 2 ? 16 : 10, tasks = pbw__tasks(context, count, 16384);
-    uint64_t *keys = (uint64_t *)pbw__allocate(memory, count, sizeof(uint64_t));
-    uint64_t *spare = (uint64_t *)pbw__allocate(memory, count, sizeof(uint64_t));
-    uint32_t *start = (uint32_t *)pbw__allocate(memory, ((size_t)tasks + 1) * PBW__DIGITS, sizeof(uint32_t));
-    pbw__sorting sorting = { context, keys, spare, start, count, tasks, 0, 0 };
-    int going = 0;
-    if (keys == NULL || spare == NULL || start == NULL) {
-        check->status = PBW_ERROR_MEMORY;
-    } else {
-        pbw__curve_create(&check->curve, count, check->dim);
-        pbw__box_reset(&check->box, bits);
-        check->by_hash = keys;
-        going = pbw__check_pass(check, pbw__check_gather, check->mesh->point_count, 0.92)
-            && (check->by_hash = pbw__sort_by(&sorting, 32, 32)) != NULL;
-        if (going) {
-            pbw__box_close(&check->box, check->dim);
-            check->box.extent = check->box.extent > 0.0 ? check->box.extent : 1.0;
-            check->other = check->by_hash == keys ? spare : keys;
-            going = pbw__check_pass(check, pbw__check_apart, count, 0.94);
-        }
-        if (going && check->mesh->simplex_count > 0) {
-            sorting.a = check->other;
-            sorting.b = check->by_hash;
-            check->other = pbw__sort_by(&sorting, 32, bits * check->dim);
-            going = check->other != NULL && pbw__check_pass(check, pbw__check_hidden, count, 1.0);
-        }
-    }
-    pbw__release(memory, keys, count, sizeof(uint64_t));
-    pbw__release(memory, spare, count, sizeof(uint64_t));
-    pbw__release(memory, start, ((size_t)tasks + 1) * PBW__DIGITS, sizeof(uint32_t));
-    return going;
-}
-
-static int pbw__check_all(pbw__check *check)
-{
-    const pbw_mesh *mesh = check->mesh;
-    const size_t points = mesh->point_count, simplices = mesh->simplex_count;
-    int going = pbw__check_pass(check, pbw__check_finite, points, 0.05)
-        && pbw__check_pass(check, pbw__check_points, points, 0.1);
-    size_t i;
-    check->report->vertex_count = check->found.counted[0];
-    if (!going) {
-        return 0;
-    }
-    if (check->found.counted[2] != mesh->duplicate_count) {
-        return pbw__find_fault(&check->found, PBW__FAULT_DUPLICATES, PBW_NONE, -1, PBW_NONE);
-    }
-    for (i = 0; i * PBW__CHECKED < points; i++) {
-        const size_t others = check->others[i];
-        check->others[i] = check->other_count;
-        check->other_count += others;
-    }
-    if (mesh->hidden_count != (simplices > 0 ? check->other_count : 0)) {
-        return pbw__find_fault(&check->found, PBW__FAULT_HIDDEN, PBW_NONE, -1, PBW_NONE);
-    }
-    pbw__grid_scan(check->context, check->record, points, check->dim, &check->tested.grid);
-    if (simplices == 0) {
-        return pbw__check_span(check) && pbw__check_others(check);
-    }
-    going = pbw__check_pass(check, pbw__check_simplices, simplices, 0.85);
-    check->report->facet_count = check->found.counted[0];
-    check->report->hull_facet_count = check->found.counted[1];
-    return going && pbw__check_pass(check, pbw__check_hull, simplices, 0.9)
-        && (check->other_count == 0 || pbw__check_others(check));
-}
-
-/* Returns whether a mesh has a dimension, and the arrays that its counts ask for. */
-static int pbw__has_arrays(const pbw_mesh *mesh, int with_neighbors)
-{
-    return mesh != NULL && (mesh->dim == 2 || mesh->dim == 3)
-        && (mesh->point_count == 0 || (mesh->points != NULL && mesh->incident != NULL && mesh->canonical != NULL))
-        && (mesh->simplex_count == 0 || (mesh->simplices != NULL && (!with_neighbors || mesh->neighbors != NULL)));
-}
-
-PBWDEF pbw_status pbw_check(const pbw_mesh *mesh, const pbw_options *options, pbw_report *report)
-{
-    pbw__context context;
-    pbw__check check;
-    size_t size, ranges;
-    if (report == NULL) {
-        return PBW_ERROR_ARGUMENT;
-    }
-    memset(report, 0, sizeof(*report));
-    (void)pbw__fault(report, PBW__SOUND, PBW_NONE, -1, PBW_NONE);
-    if (!pbw__has_arrays(mesh, 1)) {
-        return PBW_ERROR_ARGUMENT;
-    }
-    if (mesh->point_count >= PBW_NONE || mesh->simplex_count >= PBW_NONE) {
-        return PBW_ERROR_TOO_LARGE;
-    }
-    memset(&check, 0, sizeof(check));
-    (void)pbw__find_fault(&check.found, PBW__SOUND, PBW_NONE, -1, PBW_NONE);
-    check.mesh = mesh;
-    check.report = report;
-    check.context = &context;
-    check.dim = check.tested.dim = mesh->dim;
-    check.tested.simplices = mesh->simplices;
-    check.tested.neighbors = mesh->neighbors;
-    check.tested.incident = mesh->incident;
-    check.tested.canonical = mesh->canonical;
-    check.tested.point_count = mesh->point_count;
-    check.tested.simplex_count = mesh->simplex_count;
-    check.status = pbw__begin_call(&context, options, mesh->point_count);
-    if (check.status == PBW_OK && !pbw__enter_stage(&context, PBW_STAGE_CHECK)) {
-        size = (size_t)(mesh->dim + 1) * sizeof(double);
-        ranges = mesh->point_count / PBW__CHECKED + 1;
-        check.record = (double *)pbw__allocate_large(&context, mesh->point_count, size);
-        check.tested.record = check.record;
-        check.others = (size_t *)pbw__allocate(&context.memory, ranges, sizeof(size_t));
-        check.status = check.record != NULL && check.others != NULL ? PBW_OK : PBW_ERROR_MEMORY;
-        report->valid = check.status == PBW_OK && pbw__check_all(&check);
-        (void)pbw__fault(report, check.found.fault, check.found.simplex, check.found.facet, check.found.point);
-        pbw__release(&context.memory, check.record, mesh->point_count, size);
-        pbw__release(&context.memory, check.others, ranges, sizeof(size_t));
-    }
-    check.status = pbw__end_call(&context, context.cancelled ? PBW_CANCELLED : check.status);
-    report->valid &= check.status == PBW_OK;
-    return check.status;
-}
-/* ------------------------------------------------------------------------------------------------------
    >>hash         One number for a triangulation.
    In: a mesh.  Out: 64 bits that depend on the set of its simplices, each a set of points, on the set of its
    points that are no duplicates, hidden ones included, and on the dimension; a point is its coordinates and its
@@ -9796,175 +8993,188 @@ PBWDEF pbw_status pbw_order(int dim, const double *points, size_t count, const p
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   >>seam         What pbw_query.h and pbw_live.h use of the rooms above.
-   In: the private names of this file.  Out: those that these two may use, with their rooms; of a struct, its members.
+   >>seam         What pbw_check.h, pbw_query.h and pbw_live.h use of the rooms above.
+   In: the private names of this file.  Out: those that these may use, with their rooms; of a struct, its members.
    Holds: the list is what they use, tests/seam.sh compares; who changes what a name in it means raises PBW__SEAM.
 
    They are compiled behind this file, in one source file, and refuse another number.
 
-     pbw__abs                   query live  platform
-     PBW__ADD                   live        platform
-     PBW__AVX2                  query live  platform
-     PBW__BY_DIM                query live  platform
-     PBW__CAS                   live        platform
-     pbw__fp                    live        platform
-     pbw__fp_enter              live        platform
-     pbw__fp_is_exact           live        platform
-     pbw__fp_leave              live        platform
-     pbw__hash_doubles          live        platform
-     pbw__hash_entry            query live  platform
-     PBW__INLINE                query live  platform
-     PBW__LIKELY                query live  platform
-     PBW__LOAD                  query live  platform
-     pbw__max                   query live  platform
-     pbw__max_abs               query       platform
-     PBW__NOINLINE              query live  platform
-     PBW__PREFETCH              query live  platform
-     PBW__PREFETCH_TO_WRITE     live        platform
-     PBW__SIMD                  query live  platform
-     pbw__square_root           query       platform
-     pbw__squared               query live  platform
-     PBW__STORE                 live        platform
-     PBW__STORE_RELEASE         live        platform
-     PBW__UNLIKELY              query live  platform
-     pbw__abs4                  live        lanes
-     pbw__and4                  live        lanes
-     pbw__at_least              query live  lanes
-     pbw__blend                 live        lanes
-     pbw__columns               live        lanes
-     pbw__count4                live        lanes
-     pbw__d4                    query live  lanes
-     pbw__det2                  live        lanes
-     pbw__equal                 live        lanes
-     pbw__first                 live        lanes
-     pbw__fma                   live        lanes
-     pbw__fnma                  live        lanes
-     pbw__four                  live        lanes
-     pbw__greater               live        lanes
-     pbw__half                  live        lanes
-     pbw__join                  live        lanes
-     pbw__load4d                query live  lanes
-     pbw__max4                  query live  lanes
-     pbw__min_lane              live        lanes
-     PBW__OPERATION             live        lanes
-     pbw__signs                 query live  lanes
-     PBW__SIMD_INLINE           query live  lanes
-     pbw__simd_works            query live  lanes
-     pbw__splat                 query live  lanes
-     pbw__advise                live        memory
-     pbw__allocate              query live  memory
-     pbw__allocate_large        query live  memory
-     pbw__context               query live  memory
-     PBW__RELEASE               query live  memory
-     pbw__release               query live  memory
-     PBW__RESIZE                query live  memory
-     pbw__begin_call            query       threads
-     pbw__context_start         live        threads
-     pbw__end_call              query       threads
-     pbw__enter_stage           query live  threads
-     pbw__for                   live        threads
-     pbw__for_range             query live  threads
-     pbw__report                query live  threads
-     pbw__share                 live        threads
-     PBW__SMALLER               live        threads
-     pbw__tasks                 live        threads
-     pbw__team_stop             live        threads
-     PBW__TEST_PAUSE            live        threads
-     PBW__TICK                  query live  threads
-     pbw__column                query       exact
-     pbw__digit                 query       exact
-     PBW__DIGIT_BITS            query       exact
-     pbw__exact_difference      query       exact
-     pbw__exact_sign            query       exact
-     pbw__exact_sum             query       exact
-     pbw__exact_unit            query       exact
-     pbw__integer               query       exact
-     PBW__POOL                  query       exact
-     pbw__power_of_two          query       exact
-     pbw__product               query       exact
-     pbw__grid                  query live  grid
-     PBW__CIRCLE_ERROR          live        predicates
-     pbw__conflict              query live  predicates
-     PBW__EAR_ERROR             live        predicates
-     pbw__exponent              query       predicates
-     PBW__FILTER_ORIENT2_ERROR  query       predicates
-     PBW__FILTER_ORIENT3_ERROR  query       predicates
-     pbw__orient                live        predicates
-     PBW__ORIENT2_ERROR         live        predicates
-     PBW__ORIENT3_ERROR         live        predicates
-     pbw__pair_difference       query       predicates
-     pbw__pair_minus            query       predicates
-     pbw__pair_plus             query       predicates
-     pbw__pair_scaled           query       predicates
-     pbw__pair_times            query       predicates
-     pbw__power                 query       predicates
-     PBW__REACH_ERROR           query       predicates
-     pbw__side                  query live  predicates
-     PBW__SPHERE_ERROR          live        predicates
-     PBW__TIME_ERROR            live        predicates
-     PBW__TIME_LEAST            live        predicates
-     pbw__box                   query       curve
-     pbw__box_add               query       curve
-     pbw__box_reset             query       curve
-     pbw__fetch                 query       curve
-     pbw__index_bits            live        curve
-     pbw__input                 query live  curve
-     pbw__input_check           live        curve
-     pbw__input_of              query live  curve
-     PBW__POINT_LIMIT           live        curve
-     PBW__DIGITS                live        sort
-     pbw__sort_by               live        sort
-     pbw__sort_keys             live        sort
-     pbw__sorting               live        sort
-     pbw__make_canonical        live        order
-     pbw__order                 query live  order
-     pbw__same_place            live        order
-     pbw__vertices              query live  order
-     pbw__vertices_free         query live  order
-     PBW__DEFERRED              live        mesh
-     pbw__facet_corners         live        mesh
-     PBW__GHOST                 live        mesh
-     PBW__GROW                  live        mesh
-     pbw__kernel                live        mesh
-     pbw__kernel_attach         live        mesh
-     pbw__kernel_free           live        mesh
-     pbw__link                  live        mesh
-     PBW__NOBODY                live        mesh
-     pbw__ownership             live        mesh
-     pbw__simplex_conflict      live        mesh
-     PBW__SIMPLEX_LIMIT         live        mesh
-     pbw__slots                 live        mesh
-     pbw__store                 live        mesh
-     pbw__free_slot             live        slots
-     pbw__grow_lists            live        slots
-     pbw__leave_cavity          live        slots
-     pbw__region_bits           live        slots
-     pbw__store_free            live        slots
-     pbw__store_reserve         live        slots
-     pbw__take_slots            live        slots
-     pbw__exit                  live        walk
-     pbw__point4                live        walk
-     pbw__point4_of             live        walk
-     pbw__rows4                 live        walk
-     pbw__rows4_of              live        walk
-     pbw__walk_start            live        walk
-     pbw__dot4                  live        cavity3
-     pbw__build_all             live        build
-     pbw__kernel_create         live        build
-     pbw__scratch_create        live        build
-     pbw__is_ours               live        parallel
-     pbw__owns_zone             live        parallel
-     pbw__canonical_order       live        number
-     PBW__SOON                  live        number
-     pbw__emission              live        number
-     pbw__emission_start        live        output
-     pbw__emit_all              live        output
-     pbw__make_incident         live        output
-     pbw__output                live        output
-     pbw__owned                 live        output
-     pbw__has_arrays            query live  check
-     PBW__SEAM_BEGIN            query live  seam
-     PBW__SEAM_END              query live  seam
+     PBW__DEVICE                check             interface
+     pbw__abs                   query live        platform
+     PBW__ADD                   live              platform
+     PBW__AVX2                  query live        platform
+     PBW__BY_DIM                query live        platform
+     PBW__CAS                   live              platform
+     pbw__fp                    live              platform
+     pbw__fp_enter              live              platform
+     pbw__fp_is_exact           live              platform
+     pbw__fp_leave              live              platform
+     pbw__hash_doubles          check live        platform
+     pbw__hash_entry            query live        platform
+     PBW__INLINE                check query live  platform
+     PBW__LIKELY                query live        platform
+     PBW__LOAD                  query live        platform
+     pbw__max                   query live        platform
+     pbw__max_abs               query             platform
+     PBW__NOINLINE              check query live  platform
+     PBW__PREFETCH              query live        platform
+     PBW__PREFETCH_TO_WRITE     live              platform
+     PBW__SIMD                  query live        platform
+     pbw__square_root           query             platform
+     pbw__squared               query live        platform
+     PBW__STORE                 live              platform
+     PBW__STORE_RELEASE         live              platform
+     PBW__UNLIKELY              query live        platform
+     pbw__abs4                  live              lanes
+     pbw__and4                  live              lanes
+     pbw__at_least              query live        lanes
+     pbw__blend                 live              lanes
+     pbw__columns               live              lanes
+     pbw__count4                live              lanes
+     pbw__d4                    query live        lanes
+     pbw__det2                  live              lanes
+     pbw__equal                 live              lanes
+     pbw__first                 live              lanes
+     pbw__fma                   live              lanes
+     pbw__fnma                  live              lanes
+     pbw__four                  live              lanes
+     pbw__greater               live              lanes
+     pbw__half                  live              lanes
+     pbw__join                  live              lanes
+     pbw__load4d                query live        lanes
+     pbw__max4                  query live        lanes
+     pbw__min_lane              live              lanes
+     PBW__OPERATION             live              lanes
+     pbw__signs                 query live        lanes
+     PBW__SIMD_INLINE           query live        lanes
+     pbw__simd_works            query live        lanes
+     pbw__splat                 query live        lanes
+     pbw__advise                live              memory
+     pbw__allocate              check query live  memory
+     pbw__allocate_large        check query live  memory
+     pbw__context               check query live  memory
+     PBW__RELEASE               query live        memory
+     pbw__release               check query live  memory
+     PBW__RESIZE                query live        memory
+     pbw__begin_call            check query       threads
+     pbw__context_start         live              threads
+     pbw__end_call              check query       threads
+     pbw__enter_stage           check query live  threads
+     pbw__for                   live              threads
+     pbw__for_range             check query live  threads
+     pbw__report                check query live  threads
+     pbw__share                 live              threads
+     PBW__SMALLER               live              threads
+     pbw__tasks                 check live        threads
+     pbw__team_stop             live              threads
+     PBW__TEST_PAUSE            live              threads
+     PBW__TICK                  check query live  threads
+     pbw__column                query             exact
+     pbw__digit                 check query       exact
+     PBW__DIGIT_BITS            query             exact
+     pbw__exact_difference      query             exact
+     pbw__exact_sign            query             exact
+     pbw__exact_sum             query             exact
+     pbw__exact_unit            query             exact
+     pbw__integer               query             exact
+     PBW__POOL                  check query       exact
+     pbw__power_of_two          query             exact
+     pbw__product               query             exact
+     pbw__grid                  check query live  grid
+     pbw__grid_add              check             grid
+     pbw__grid_close            check             grid
+     pbw__grid_share            check             grid
+     pbw__grid_share_reset      check             grid
+     PBW__CIRCLE_ERROR          live              predicates
+     pbw__collinear3            check             predicates
+     pbw__conflict              query live        predicates
+     pbw__conflict_in           check             predicates
+     PBW__EAR_ERROR             live              predicates
+     pbw__exponent              query             predicates
+     PBW__FILTER_ORIENT2_ERROR  query             predicates
+     PBW__FILTER_ORIENT3_ERROR  query             predicates
+     PBW__OPEN                  check             predicates
+     pbw__orient                check live        predicates
+     PBW__ORIENT2_ERROR         live              predicates
+     PBW__ORIENT3_ERROR         live              predicates
+     pbw__orient_in             check             predicates
+     pbw__pair_difference       query             predicates
+     pbw__pair_minus            query             predicates
+     pbw__pair_plus             query             predicates
+     pbw__pair_scaled           query             predicates
+     pbw__pair_times            query             predicates
+     pbw__power                 query             predicates
+     PBW__REACH_ERROR           query             predicates
+     pbw__side                  query live        predicates
+     PBW__SPHERE_ERROR          live              predicates
+     PBW__TIME_ERROR            live              predicates
+     PBW__TIME_LEAST            live              predicates
+     pbw__box                   check query       curve
+     pbw__box_add               check query       curve
+     pbw__box_close             check             curve
+     pbw__box_reset             check query       curve
+     pbw__curve                 check             curve
+     pbw__curve_create          check             curve
+     pbw__fetch                 query             curve
+     pbw__hilbert_key           check             curve
+     pbw__index_bits            live              curve
+     pbw__input                 query live        curve
+     pbw__input_check           live              curve
+     pbw__input_of              query live        curve
+     PBW__POINT_LIMIT           live              curve
+     PBW__DIGITS                check live        sort
+     pbw__sort_by               check live        sort
+     pbw__sort_keys             live              sort
+     pbw__sorting               check live        sort
+     pbw__make_canonical        live              order
+     pbw__order                 query live        order
+     pbw__same_place            check live        order
+     pbw__vertices              query live        order
+     pbw__vertices_free         query live        order
+     PBW__DEFERRED              live              mesh
+     pbw__facet_corners         live              mesh
+     PBW__GHOST                 live              mesh
+     PBW__GROW                  live              mesh
+     pbw__kernel                live              mesh
+     pbw__kernel_attach         live              mesh
+     pbw__kernel_free           live              mesh
+     pbw__link                  live              mesh
+     PBW__NOBODY                live              mesh
+     pbw__ownership             live              mesh
+     pbw__simplex_conflict      live              mesh
+     PBW__SIMPLEX_LIMIT         live              mesh
+     pbw__slots                 live              mesh
+     pbw__store                 live              mesh
+     pbw__free_slot             live              slots
+     pbw__grow_lists            live              slots
+     pbw__leave_cavity          live              slots
+     pbw__region_bits           live              slots
+     pbw__store_free            live              slots
+     pbw__store_reserve         live              slots
+     pbw__take_slots            live              slots
+     pbw__exit                  live              walk
+     pbw__point4                live              walk
+     pbw__point4_of             live              walk
+     pbw__rows4                 live              walk
+     pbw__rows4_of              live              walk
+     pbw__walk_start            live              walk
+     pbw__dot4                  live              cavity3
+     pbw__build_all             live              build
+     pbw__kernel_create         live              build
+     pbw__scratch_create        live              build
+     pbw__is_ours               live              parallel
+     pbw__owns_zone             live              parallel
+     pbw__canonical_order       live              number
+     pbw__emission              live              number
+     PBW__SOON                  live              number
+     pbw__emission_start        live              output
+     pbw__emit_all              live              output
+     pbw__make_incident         live              output
+     pbw__output                live              output
+     pbw__owned                 live              output
+     pbw__has_arrays            check query live  seam
+     PBW__SEAM_BEGIN            check query live  seam
+     PBW__SEAM_END              check query live  seam
    ------------------------------------------------------------------------------------------------------ */
 #define PBW__SEAM 1
 
@@ -9985,6 +9195,14 @@ PBWDEF pbw_status pbw_order(int dim, const double *points, size_t count, const p
 #define PBW__SEAM_BEGIN PBW_CONTRACTION_OFF
 #define PBW__SEAM_END PBW_CONTRACTION_ON
 #endif
+
+/* Returns whether a mesh has a dimension, and the arrays that its counts ask for. */
+PBW__INLINE int pbw__has_arrays(const pbw_mesh *mesh, int with_neighbors)
+{
+    return mesh != NULL && (mesh->dim == 2 || mesh->dim == 3)
+        && (mesh->point_count == 0 || (mesh->points != NULL && mesh->incident != NULL && mesh->canonical != NULL))
+        && (mesh->simplex_count == 0 || (mesh->simplices != NULL && (!with_neighbors || mesh->neighbors != NULL)));
+}
 
 /* ------------------------------------------------------------------------------------------------------
    >>api          The front door: argument checks, defaults, the stages in order, status texts.
@@ -10442,9 +9660,10 @@ PBWDEF pbw_status pbw_triangulatef(int dim, const float *points, const float *we
                         PBW_STAGE_WORK; loops of pbw_cuda.cu; pbw_job.memory_limit.
                         Changed: pbw_hash takes options, and is 0 for what is no mesh; arguments are checked before
                         progress is called.
-                        Queries are in pbw_query.h, live triangulations in pbw_live.h: include these, and beside
-                        PBW_IMPLEMENTATION define PBW_QUERY_IMPLEMENTATION, PBW_LIVE_IMPLEMENTATION.  Gone:
-                        PBW_NO_QUERIES, PBW_NO_LIVE, of the days when pbw.h had both.
+                        Queries are in pbw_query.h, live triangulations in pbw_live.h, pbw_check in pbw_check.h:
+                        include these, and beside PBW_IMPLEMENTATION define PBW_QUERY_IMPLEMENTATION,
+                        PBW_LIVE_IMPLEMENTATION, PBW_CHECK_IMPLEMENTATION.  Gone: PBW_NO_QUERIES, PBW_NO_LIVE, of
+                        the days when pbw.h had both.
    0.1.0   2026-11-21   First version: 2D and 3D, weights, exact, threads, GPU backend; check and hash.
    ------------------------------------------------------------------------------------------------------ */
 #endif /* PBW_IMPLEMENTATION */

@@ -1,6 +1,7 @@
 /* pbw_cuda.cu - the triangulation of pbw.h on an NVIDIA GPU - MIT-0
 
-   Build:  nvcc -O3 -c pbw_cuda.cu        (compute capability 7.0 or later; CUDA 11.7 or later)
+   Build:  nvcc -O3 -I. -Iexamples/lib -c pbw_cuda.cu, or without -I beside pbw.h and pbw_check.h
+           (compute capability 7.0 or later; CUDA 11.7 or later)
    Use:    options.backend = pbw_cuda_backend(0), or pbw_cuda_backend_multi for several devices,
            or pbw_cuda_triangulate for points on the device, or pbw_cuda_loop_step for points that move.
 
@@ -85,7 +86,8 @@
 #define PBW_NO_SIMD
 #define PBW_IMPLEMENTATION
 #define PBW__DEVICE __host__ __device__
-#include "pbw.h"
+#define PBW_CHECK_IMPLEMENTATION
+#include "pbw_check.h"
 
 #include <cub/device/device_radix_sort.cuh>
 #include <cub/device/device_scan.cuh>
@@ -4358,7 +4360,7 @@ template <int DIM, bool WEIGHTED> void build(call &c, const space &s, const uint
    ------------------------------------------------------------------------------------------------------ */
 enum { check_points, check_simplices, check_hull, check_hidden, check_passes };
 
-struct view : pbw__tested {
+struct view : pbwck__tested {
     const uint32_t *order;                           /* points along the curve, or NULL */
 };
 
@@ -4366,7 +4368,7 @@ struct check_result {
     unsigned long long least;                        /* item of the first fault << 32 | fault */
     unsigned long long counted[check_passes][3];
     uint32_t open;                                   /* items listed */
-    pbw__finding first;
+    pbwck__finding first;
 };
 
 __global__ void record_kernel(input in, double *record)
@@ -4378,14 +4380,14 @@ __global__ void record_kernel(input in, double *record)
 }
 
 /* Tests the ridges of the hull facets of a simplex. */
-template <int DIM> __device__ int test_ridges(const view &m, uint32_t s, pbw__finding *found)
+template <int DIM> __device__ int test_ridges(const view &m, uint32_t s, pbwck__finding *found)
 {
     for (int i = 0; i <= DIM; i++) {
         for (int k = 0; k <= DIM && m.neighbors[(size_t)s * (DIM + 1) + (size_t)i] == none; k++) {
-            pbw__turn turn = { s, i, k };
-            while (k != i && pbw__turn_on(&m, DIM, &turn)) {
+            pbwck__turn turn = { s, i, k };
+            while (k != i && pbwck__turn_on(&m, DIM, &turn)) {
             }
-            if (k != i && !pbw__test_ridge(&m, DIM, s, i, &turn, found)) {
+            if (k != i && !pbwck__test_ridge(&m, DIM, s, i, &turn, found)) {
                 return 0;
             }
         }
@@ -4404,17 +4406,17 @@ DEVICE uint32_t simplex_near(const view &m, uint32_t rank)
 }
 
 /* Tests a point, if it is neither a vertex nor a duplicate; with an order, the item is a rank. */
-template <int DIM> __device__ int test_hidden(const view &m, uint32_t item, pbw__finding *found)
+template <int DIM> __device__ int test_hidden(const view &m, uint32_t item, pbwck__finding *found)
 {
     const uint32_t point = m.order != NULL ? m.order[item] : item;
     if (m.canonical[point] != point || m.incident[point] != none) {
         return 1;
     }
     const uint32_t start = m.order != NULL ? simplex_near(m, item) : 0;
-    pbw__visit visit = { point, start, start };
-    while (pbw__visit_on(&m, DIM, &visit, found)) {
+    pbwck__visit visit = { point, start, start };
+    while (pbwck__visit_on(&m, DIM, &visit, found)) {
     }
-    return pbw__test_visited(&m, DIM, &visit, found);
+    return pbwck__test_visited(&m, DIM, &visit, found);
 }
 
 const unsigned check_blocks = 64;                    /* of 32 threads that have pools */
@@ -4438,15 +4440,15 @@ template <int DIM> __global__ void check_kernel(const __grid_constant__ check_la
     pbw__digit *const own_pool = a.pool != NULL ? a.pool + thread * PBW__POOL : NULL;
     unsigned long long counted[3] = { 0, 0, 0 };     /* by sound items: an open one comes again */
     for (size_t i = thread; i < a.count; i += threads) {
-        pbw__finding found = { own_pool, PBW__SOUND, -1, none, none, { 0, 0, 0 } };
+        pbwck__finding found = { own_pool, PBWCK__SOUND, -1, none, none, { 0, 0, 0 } };
         uint32_t item = a.list == NULL ? (uint32_t)i : a.list[i];
         if (a.count > 1 && *(const volatile unsigned long long *)&a.out->least >> 32 < item) {
             continue;
         }
-        int sound = a.pass == check_points ? pbw__test_point(&m, DIM, item, &found)
-                  : a.pass == check_simplices ? pbw__test_simplex(&m, DIM, item, &found)
+        int sound = a.pass == check_points ? pbwck__test_point(&m, DIM, item, &found)
+                  : a.pass == check_simplices ? pbwck__test_simplex(&m, DIM, item, &found)
                   : a.pass == check_hull ? test_ridges<DIM>(m, item, &found) : test_hidden<DIM>(m, item, &found);
-        if (!sound && found.fault == PBW__FAULT_OPEN) {
+        if (!sound && found.fault == PBWCK__FAULT_OPEN) {
             a.open[atomicAdd(&a.out->open, 1u)] = item;
         } else if (!sound) {
             atomicMin(&a.out->least, (unsigned long long)item << 32 | (unsigned)found.fault);
@@ -4482,7 +4484,7 @@ struct checking {
           open(of, mesh.simplex_count > in.count ? mesh.simplex_count : in.count),
           pool(of, (size_t)check_blocks * 32 * PBW__POOL), on_device(of, 1), points((uint32_t)in.count), report(to)
     {
-        (pbw__tested &)m = { mesh.simplices, mesh.neighbors, mesh.incident, mesh.canonical, record.at, in.count,
+        (pbwck__tested &)m = { mesh.simplices, mesh.neighbors, mesh.incident, mesh.canonical, record.at, in.count,
                              mesh.simplex_count, grid, in.dim, to == NULL };
         m.order = NULL;
         found = check_result();
@@ -4516,15 +4518,15 @@ template <int DIM> bool check_pass(checking &k, int pass)
         const uint32_t item = (uint32_t)(k.found.least >> 32);
         need(c, cudaMemcpyAsync(k.open.at, &item, sizeof item, cudaMemcpyHostToDevice, c.stream), "copy");
         check_items<DIM>(k, pass, 1, shape{ 1, 32, 0 }, k.open.at, k.pool.at);
-        const pbw__finding &first = k.found.first;
-        (void)pbw__fault(k.report, first.fault, first.simplex, first.facet, first.point);
+        const pbwck__finding &first = k.found.first;
+        (void)pbwck__fault(k.report, first.fault, first.simplex, first.facet, first.point);
     }
     return k.found.least == ~0ull;
 }
 
 bool miscounts(pbw_report *report, size_t claimed, size_t counted, int fault)
 {
-    return claimed != counted && !pbw__fault(report, fault, PBW_NONE, -1, PBW_NONE);
+    return claimed != counted && !pbwck__fault(report, fault, PBW_NONE, -1, PBW_NONE);
 }
 
 template <int DIM> bool check_mesh(call &c, const pbw_cuda_mesh &mesh, const input &in, pbw_report *report)
@@ -4539,8 +4541,9 @@ template <int DIM> bool check_mesh(call &c, const pbw_cuda_mesh &mesh, const inp
     }
     const size_t others = (size_t)k.found.counted[check_points][1];
     report->vertex_count = (size_t)k.found.counted[check_points][0];
-    if (miscounts(report, mesh.duplicate_count, (size_t)k.found.counted[check_points][2], PBW__FAULT_DUPLICATES)
-        || miscounts(report, mesh.hidden_count, others, PBW__FAULT_HIDDEN) || !check_pass<DIM>(k, check_simplices)) {
+    if (miscounts(report, mesh.duplicate_count, (size_t)k.found.counted[check_points][2], PBWCK__FAULT_DUPLICATES)
+        || miscounts(report, mesh.hidden_count, others, PBWCK__FAULT_HIDDEN)
+        || !check_pass<DIM>(k, check_simplices)) {
         return false;
     }
     report->facet_count = (size_t)k.found.counted[check_simplices][0];
@@ -5176,7 +5179,7 @@ extern "C" pbw_status pbw_cuda_check(const pbw_cuda_mesh *mesh, int is_float, co
     local_call local{};
     if (report != NULL) {
         memset(report, 0, sizeof *report);
-        (void)pbw__fault(report, PBW__SOUND, PBW_NONE, -1, PBW_NONE);
+        (void)pbwck__fault(report, PBWCK__SOUND, PBW_NONE, -1, PBW_NONE);
     }
     if (!take_options(r.options, given_options) || report == NULL || mesh == NULL || points == NULL
         || (mesh->dim != 2 && mesh->dim != 3)

@@ -68,7 +68,8 @@ static void bench_turn_to(int phase)
 #endif
 
 #define PBW_IMPLEMENTATION
-#include "../pbw.h"
+#define PBW_CHECK_IMPLEMENTATION
+#include "pbw_check.h"
 
 #include "../tests/inputs.h"
 #include "bench.h"

@@ -43,9 +43,9 @@ build/bench build/bench_clocks: %: %.o $(BENCH_OBJECTS)
 	$(if $(BENCH_OBJECTS),$(CXX),$(CC)) $(BENCH_FLAGS) $^ -o $@ $(BENCH_LIBS) -lpthread -lm
 
 build/bench_clocks.o: BENCH_USES += -DBENCH_CLOCKS
-build/bench.o build/bench_clocks.o: bench/bench.c $(BENCH_INPUTS)
+build/bench.o build/bench_clocks.o: bench/bench.c examples/lib/pbw_check.h $(BENCH_INPUTS)
 	@mkdir -p build
-	$(BENCH_C) $(BENCH_USES) -DBENCH_FLAGS='"$(BENCH_FLAGS)"' -c $< -o $@
+	$(BENCH_C) $(BENCH_USES) -I. -Iexamples/lib -DBENCH_FLAGS='"$(BENCH_FLAGS)"' -c $< -o $@
 
 build/rival_%.o: bench/rival_%.cpp bench/bench.h bench/bench.mk
 	@mkdir -p build

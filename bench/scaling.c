@@ -5,6 +5,8 @@
    the points, commit included; moves are by a tenth of the mean distance, or anywhere.  The last rows mesh a ball in
    steps that suit the number of points, once, and improve that mesh. */
 #define PBW_IMPLEMENTATION
+#define PBW_CHECK_IMPLEMENTATION
+#include "pbw_check.h"
 #define PBW_QUERY_IMPLEMENTATION
 #include "pbw_query.h"
 #define PBW_LIVE_IMPLEMENTATION

@@ -1,5 +1,5 @@
 /* gpu.cu: the same call on an NVIDIA GPU; and points that are on the device, whose triangulation stays there.
-   nvcc -O3 -I. examples/gpu.cu pbw_cuda.cu -o gpu -lpthread
+   nvcc -O3 -I. -Iexamples/lib examples/gpu.cu pbw_cuda.cu -o gpu -lpthread
    Prints the counts, the volume and the verdict (expected/gpu.txt), on the error stream who made the mesh. */
 #define PBW_IMPLEMENTATION
 #include "pbw.h"

@@ -7,17 +7,17 @@
 NVCC ?= $(firstword $(shell command -v nvcc) $(wildcard /usr/local/cuda/bin/nvcc))
 CUDA_HOME ?= $(patsubst %/bin/nvcc,%,$(NVCC))
 CUDA_FLAGS ?= -O3
-CUDA_C = $(CC) -std=c99 $(CFLAGS) $(WARN) -I. -isystem $(CUDA_HOME)/include
+CUDA_C = $(CC) -std=c99 $(CFLAGS) $(WARN) -I. -Iexamples/lib -isystem $(CUDA_HOME)/include
 CUDA_SANITIZER = $(firstword $(shell command -v compute-sanitizer) $(wildcard $(CUDA_HOME)/bin/compute-sanitizer))
 
 .PHONY: cuda cuda-test cuda-sanitize cuda-bench
-$B/cuda.o: pbw_cuda.cu pbw.h
+$B/cuda.o: pbw_cuda.cu pbw.h examples/lib/pbw_check.h
 	@mkdir -p $B
-	$(NVCC) $(CUDA_FLAGS) -c $< -o $@
+	$(NVCC) $(CUDA_FLAGS) -I. -Iexamples/lib -c $< -o $@
 
-$B/cuda_few.o: pbw_cuda.cu pbw.h
+$B/cuda_few.o: pbw_cuda.cu pbw.h examples/lib/pbw_check.h
 	@mkdir -p $B
-	$(NVCC) $(CUDA_FLAGS) -DPBW_CUDA_FEW=8 -DPBW_CUDA_TEST -c $< -o $@
+	$(NVCC) $(CUDA_FLAGS) -DPBW_CUDA_FEW=8 -DPBW_CUDA_TEST -I. -Iexamples/lib -c $< -o $@
 
 $B/cuda_test: tests/cuda_test.c $(HEADERS) $B/cuda_few.o
 	$(CUDA_C) -c $< -o $@.o

@@ -6,7 +6,7 @@ for nvcc in "${NVCC:-nvcc}" /usr/local/cuda/bin/nvcc ""; do
     [ -z "$nvcc" ] || ! command -v "$nvcc" > /dev/null || break
 done
 [ -n "$nvcc" ] || { skip "pbw_cuda.cu: no nvcc"; finish; }
-compiles() { "$nvcc" -ptx -Xcicc -O0 -I. "$1" -o "$work/kernels.ptx"; }
+compiles() { "$nvcc" -ptx -Xcicc -O0 -I. -Iexamples/lib "$1" -o "$work/kernels.ptx"; }
 check "pbw_cuda.cu compiles" compiles pbw_cuda.cu
 check "it has kernels" grep -q '[.]visible [.]entry' "$work/kernels.ptx"
 finish

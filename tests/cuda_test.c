@@ -5,7 +5,8 @@
 #define _POSIX_C_SOURCE 200112L
 #define PBW_IMPLEMENTATION
 #define PBW_CUDA
-#include "../pbw.h"
+#define PBW_CHECK_IMPLEMENTATION
+#include "pbw_check.h"
 #include "test.h"
 #include "meshes.h"
 #include <cuda_runtime_api.h>

@@ -5,10 +5,12 @@
        make fuzz            libFuzzer where clang is installed, else random bytes
        cc -O2 -I. -Iexamples/lib -DFUZZ_MAIN tests/fuzz_live.c -o fuzz -lm -lpthread && ./fuzz --count 100000 --seed 1 */
 #define PBW_IMPLEMENTATION
+#define PBW_CHECK_IMPLEMENTATION
 #define PBW_LIVE_IMPLEMENTATION
 static double verify_at;
 #define PBWL__REBUILD_AT(dim) (1e9)                     /* so few points would always be triangulated again */
 #define PBWL__VERIFY_AT(dim) verify_at
+#include "pbw_check.h"
 #include "pbw_live.h"
 #if defined(__clang__)                                 /* coverage of the library is to guide the fuzzer, not ours */
 #pragma clang attribute push(__attribute__((no_sanitize("coverage"))), apply_to = function)

@@ -4,7 +4,8 @@
        cc -O2 -DFUZZ_MAIN tests/fuzz_triangulate.c -o fuzz -lm -lpthread && ./fuzz --count 1000000 --seed 1
        ./fuzz FILE ...      (FUZZ_MAIN too) runs these inputs */
 #define PBW_IMPLEMENTATION
-#include "../pbw.h"
+#define PBW_CHECK_IMPLEMENTATION
+#include "pbw_check.h"
 #if defined(__clang__)                                 /* coverage of the library is to guide the fuzzer, not ours */
 #pragma clang attribute push(__attribute__((no_sanitize("coverage"))), apply_to = function)
 #endif

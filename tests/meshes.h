@@ -1,4 +1,5 @@
-/* meshes.h: triangulating and comparing meshes in tests.  Include pbw.h before. */
+/* meshes.h: triangulating and comparing meshes in tests.  Include pbw.h before, or
+   pbw_check.h for meshes_fault. */
 #ifndef MESHES_H
 #define MESHES_H
 
@@ -37,12 +38,14 @@ static inline pbw_status meshes_make(const zoo_input *in, const pbw_options *opt
     return pbw_triangulate(in->dim, in->points, in->weights, in->count, options, mesh);
 }
 
+#ifdef PBW_CHECK_H
 static inline const char *meshes_fault(const pbw_mesh *mesh)                 /* NULL, or what pbw_check found */
 {
     pbw_report report;
     pbw_status status = pbw_check(mesh, NULL, &report);
     return status != PBW_OK ? pbw_status_string(status) : report.valid ? NULL : report.what;
 }
+#endif
 
 /* The documented order of the arrays, as far as it shows without knowing the curve: all simplices with one first
    corner stand together, and their other corners come later on the curve, so do not begin an earlier group. */

@@ -14,21 +14,26 @@ declines() {   # declines COMPILER FLAGS...: does not compile and says why, or a
     fi
 }
 
-# alone: pbw.h; query, live: with one of the headers that are compiled behind it; whole: with both, as the library.
-printf '#include "%s"\n' pbw.h examples/lib/pbw_query.h examples/lib/pbw_live.h > "$work/interface.c"
+# alone: pbw.h; proof, query, live: with one of the headers that are compiled behind it; whole: with all, as the library.
+printf '#include "%s"\n' pbw.h examples/lib/pbw_check.h examples/lib/pbw_query.h examples/lib/pbw_live.h > "$work/interface.c"
 printf '#define PBW_IMPLEMENTATION\n#include "pbw.h"\n' > "$work/alone.c"
+printf '#define PBW_CHECK_IMPLEMENTATION\n#include "examples/lib/pbw_check.h"\n' | cat "$work/alone.c" - > "$work/proof.c"
 printf '#define PBW_QUERY_IMPLEMENTATION\n#include "examples/lib/pbw_query.h"\n' | cat "$work/alone.c" - > "$work/query.c"
 printf '#define PBW_LIVE_IMPLEMENTATION\n#include "examples/lib/pbw_live.h"\n' | cat "$work/alone.c" - > "$work/live.c"
 printf '#define PBW_LIVE_IMPLEMENTATION\n#include "examples/lib/pbw_live.h"\n' | cat "$work/query.c" - > "$work/whole.c"
+printf '#define PBW_CHECK_IMPLEMENTATION\n#include "examples/lib/pbw_check.h"\n' >> "$work/whole.c"
 cat > "$work/static.c" << 'END'
 #define PBW_STATIC
+#define PBW_CHECK_IMPLEMENTATION
 #define PBW_QUERY_IMPLEMENTATION
 #define PBW_LIVE_IMPLEMENTATION
 #define PBW_IMPLEMENTATION
 #include "pbw.h"
 #include "pbw.h"
+#include "examples/lib/pbw_check.h"
 #include "examples/lib/pbw_query.h"
 #include "examples/lib/pbw_live.h"
+#include "examples/lib/pbw_check.h"
 #include "examples/lib/pbw_query.h"
 #include "examples/lib/pbw_live.h"
 #define PBW_IMPLEMENTATION
@@ -100,10 +105,10 @@ for compiler in $compilers; do
     done
     for clocks in 0 1; do
         check "$compiler: bench.c, with clocks: $clocks" $compiler -std=c99 $warn $([ $clocks = 0 ] || echo -DBENCH_CLOCKS) \
-            -fsyntax-only bench/bench.c
+            -I. -Iexamples/lib -fsyntax-only bench/bench.c
     done
     check "$compiler: PBW_WIDE" $compiler -std=c99 $warn -I. -DPBW_WIDE -fsyntax-only "$work/whole.c"
-    for file in alone query live; do
+    for file in alone proof query live; do
         check "$compiler: $file" $compiler -std=c99 $warn -I. -fsyntax-only "$work/$file.c"
     done
     for flags in -ffast-math -funsafe-math-optimizations -mfpmath=387 ${long:+-Ofast -freciprocal-math} \
@@ -203,7 +208,7 @@ done
 # Rooms: each begins with a banner, which has its >>tag and tells what comes In, goes Out or always Holds (but for
 # >>interface, >>history, >>license), and has 700 lines at most; the contents list at the top names them in order.  A
 # file whose rooms have tags is added to one of these lists and stays there.
-rooms="pbw.h examples/lib/pbw_query.h examples/lib/pbw_live.h pbw_cuda.cu"
+rooms="pbw.h examples/lib/pbw_check.h examples/lib/pbw_query.h examples/lib/pbw_live.h pbw_cuda.cu"
 rooms_of_companions="examples/lib/pbw_film.h examples/lib/pbw_generate.h examples/lib/pbw_io.h examples/lib/pbw_model.h
     examples/lib/pbw_picture.h examples/lib/pbw_sample.h examples/lib/pbw_view.h
     examples/lib/pbw_adapt3.h examples/lib/pbw_improve.h examples/lib/pbw_mesh3.h examples/lib/pbw_stuffing.h
@@ -259,14 +264,14 @@ tag=$(git describe --tags --exact-match 2> /dev/null)
 if [ -n "$tag" ]; then
     check "the tag $tag is the version" [ "$tag" = "v$title" ]
 fi
-for file in pbw.h examples/lib/pbw_query.h examples/lib/pbw_live.h; do
+for file in pbw.h examples/lib/pbw_check.h examples/lib/pbw_query.h examples/lib/pbw_live.h; do
     check "$file includes no stdio.h, and never prints, exits or aborts" sh -c \
         "! sed '1,/^\*\//d' $file | grep -nE '# *include <stdio|\\<(printf|puts|exit|abort|assert|longjmp)\\> *\\('"
 done
 # (Lines of the help of commands are what they print.)
-check "no line of pbw.h, pbw_query.h, pbw_live.h, pbw_cuda.cu and the program is over 118 columns" sh -c \
-    "! awk 'length > 118 && !/^ *\".*n\"\$/ { print FILENAME, FNR }' pbw.h examples/lib/pbw_query.h \
-        examples/lib/pbw_live.h pbw_cuda.cu examples/program/*.[ch] | grep ."
+check "no line of pbw.h, the headers behind it, pbw_cuda.cu and the program is over 118 columns" sh -c \
+    "! awk 'length > 118 && !/^ *\".*n\"\$/ { print FILENAME, FNR }' pbw.h examples/lib/pbw_check.h \
+        examples/lib/pbw_query.h examples/lib/pbw_live.h pbw_cuda.cu examples/program/*.[ch] | grep ."
 # Functions stay small.  A function starts in column 1, in pbw_cuda.cu perhaps with its template parameters,
 # and ends with a } there; names of the interface are exempt from the limit of parameters.
 cat > "$work/functions.awk" << 'END'
@@ -311,7 +316,7 @@ promised() {    # promised HEADER: the tests that its promises name are there
     sed -n '/PROMISES/,/^   C/s/.* \(tests\/[a-z_.]*\)$/\1/p' "$1" > "$work/promised"
     [ -s "$work/promised" ] && ls $(cat "$work/promised")
 }
-shared="-DPBW__IMPLEMENTED -DPBWQ__IMPLEMENTED -DPBWL__IMPLEMENTED"     # as the library has them
+shared="-DPBW__IMPLEMENTED -DPBWCK__IMPLEMENTED -DPBWQ__IMPLEMENTED -DPBWL__IMPLEMENTED"     # as the library has them
 quick() {       # quick HEADER PRINTED: its quick start compiles, as C++ without a warning, and prints this
     inside=                                     # the implementation; with QUICK that of pbw.h alone
     [ -z "$QUICK" ] || [ "$1" = pbw.h ] || inside=$shared
@@ -321,11 +326,12 @@ quick() {       # quick HEADER PRINTED: its quick start compiles, as C++ without
         $CXX $inside -x c++ -Wall -Wextra -Wpedantic -Werror -I. -Iexamples/lib -fsyntax-only "$work/quickstart.c" &&
         "$work/quickstart" > "$work/printed" && echo "$2" | diff "$work/printed" -
 }
-for header in examples/lib/pbw_query.h examples/lib/pbw_live.h pbw.h; do
+for header in examples/lib/pbw_check.h examples/lib/pbw_query.h examples/lib/pbw_live.h pbw.h; do
     check "every promise of $header names a test that is there" promised "$header"
     case $header in
     pbw.h) printed='0 2 3 1
 2 3 1 4' ;;
+    *check.h) printed='right: 8 facets' ;;
     *query.h) printed='in triangle 3, nearest to point 1
 in triangle 2, nearest to point 4' ;;
     *) printed='point 4, 4 triangles' ;;
@@ -387,7 +393,7 @@ for header in examples/lib/*.h; do
         command -v mpicc > /dev/null || { skip "pbw_mpi.h: no mpicc"; continue; }
         given='static const pbwt_point *points; static size_t count;' ;;
     esac
-    case $header in pbw_query.h | pbw_live.h) continue ;; esac      # a whole program, see above
+    case $header in pbw_check.h | pbw_query.h | pbw_live.h) continue ;; esac      # a whole program, see above
     check "$header: the example at its top compiles" example "$header" "$given"
 done
 check "the root holds nothing that should be elsewhere" sh -c \
@@ -436,12 +442,12 @@ for compiler in "$other-gcc -std=c99" "$other-g++ -std=c++11" "clang --target=$o
     fi
 done
 if $other-gcc "$work/empty.c" -o "$work/empty" > /dev/null 2>&1; then
-    check "$other: the pbw program" $other-gcc -std=c99 -O1 -DPBW__IMPLEMENTED -DPBWQ__IMPLEMENTED -DPBWL__IMPLEMENTED \
-        -I. -Iexamples/lib examples/program/*.c "$work/$other-gcc.o" -o "$work/pbw.exe"
+    check "$other: the pbw program" $other-gcc -std=c99 -O1 -DPBW__IMPLEMENTED -DPBWCK__IMPLEMENTED \
+        -DPBWQ__IMPLEMENTED -DPBWL__IMPLEMENTED -I. -Iexamples/lib examples/program/*.c "$work/$other-gcc.o" -o "$work/pbw.exe"
     if command -v wine > /dev/null; then
         check "$other: the implementation compiles" $other-gcc -std=c99 -Os -I. -c "$work/whole.c" -o "$work/other.o"
         check "$other: a test compiles" \
-            $other-gcc -std=c99 -Os -I. tests/test_answer.c "$work/other.o" -o "$work/answer.exe"
+            $other-gcc -std=c99 -Os -I. -Iexamples/lib tests/test_answer.c "$work/other.o" -o "$work/answer.exe"
         export WINEPREFIX="$(cd "$work" && pwd)/wine" WINEDEBUG=-all
         check "$other: the test passes" timeout 600 \
             wine "$work/answer.exe" --filter collinear --filter "threads: 2D uniform" --filter "threads: 3D sphere"
@@ -534,7 +540,7 @@ END
         # shellcheck disable=SC2086
         check "MSVC, by clang: an object file" $msvc -std=c11 -O1 -mstack-probe-size=1000000000 -I"$work/msvc" -I. \
             -c "$work/whole.c" -o "$work/msvc/whole.o"
-        check "MSVC, by clang: a test links" $other-gcc -std=c99 -O1 -I. tests/test_answer.c "$work/msvc/whole.o" \
+        check "MSVC, by clang: a test links" $other-gcc -std=c99 -O1 -I. -Iexamples/lib tests/test_answer.c "$work/msvc/whole.o" \
             "$work/msvc/float.c" -o "$work/msvc/answer.exe"
         if command -v wine > /dev/null; then
             export WINEPREFIX="$(cd "$work" && pwd)/wine" WINEDEBUG=-all
@@ -552,7 +558,7 @@ if $CC -m32 "$work/empty.c" -o "$work/empty" > /dev/null 2>&1; then
     check "-m32: x87 arithmetic is a compile error" refuses '-msse2 -mfpmath=sse' \
         $CC -m32 -mno-sse -std=c99 -I. -c "$work/alone.c" -o "$work/x87.o"
     # shellcheck disable=SC2086
-    check "-m32: a test compiles" $CC -m32 -msse2 -mfpmath=sse -std=c99 -O1 -I. $compiled \
+    check "-m32: a test compiles" $CC -m32 -msse2 -mfpmath=sse -std=c99 -O1 -I. -Iexamples/lib $compiled \
         tests/test_answer.c -o "$work/answer32" -lpthread -lm
     check "-m32: the test passes" "$work/answer32" --count 1000
     # shellcheck disable=SC2086

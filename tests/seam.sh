@@ -59,7 +59,7 @@ differs() { ! cmp -s pbw.h "$1" && ! agrees pbw "$1"; }
 seam='/^   >>seam/,/^#define/'
 sed "$seam s/^     pbw__release .*//" pbw.h > "$work/few.h"
 sed "$seam s/^     pbw__release .*/&\n     pbw__for_nobody  query live  memory/" pbw.h > "$work/many.h"
-sed "$seam s/^\(     pbw__release  *\)query live/\1query     /" pbw.h > "$work/user.h"
+sed "$seam s/^\(     pbw__release  *\)check query live/\1check query     /" pbw.h > "$work/user.h"
 for change in few many user; do
     check "a list with a name or user too few or too many is refused: $change" differs "$work/$change.h"
 done
@@ -72,7 +72,7 @@ refuses() {     # refuses NAME ON FOLDER LINES: a file with these lines and pbw_
         LC_ALL=C $CC -std=c99 -I"$3" -Iexamples/lib -I. -x c -fsyntax-only - 2> "$work/refused" || return 1
     [ "$(grep -c 'error:' "$work/refused")" = 1 ] && grep "pbw_$1.h is compiled where $2.h of its version is" "$work/refused"
 }
-for behind in query live; do
+for behind in check query live; do
     check "pbw_$behind.h without PBW_IMPLEMENTATION: one clear error" refuses $behind pbw . ''
     check "pbw_$behind.h behind another version: one clear error" refuses $behind pbw "$work" '#define PBW_IMPLEMENTATION'
 done

@@ -1,6 +1,7 @@
 /* small.h: small awkward inputs from bytes, for random tests and fuzzers: dimension, count, a grid (small integers,
    tenths, mixed exponents, ulps ...), a shape (free, flat, on a line, on a sphere, repeated) and weights; and the
-   comparison of pbw's answer with the oracle's.  Include pbw.h before. */
+   comparison of pbw's answer with the oracle's.  Include pbw.h before, for small_test
+   pbw_check.h. */
 #ifndef SMALL_H
 #define SMALL_H
 
@@ -141,6 +142,7 @@ static inline void small_print(const small_input *in)
     printf("%s", in->weighted && in->count > 0 ? " };\n" : "");
 }
 
+#ifdef PBW_CHECK_H
 /* Triangulates and judges: by the oracle where the places are few enough, by pbw_check where `check` says so or they
    are not.  NULL, or what is wrong. */
 static inline const char *small_test(const small_input *in, const pbw_options *options, int check)
@@ -165,5 +167,6 @@ static inline const char *small_test(const small_input *in, const pbw_options *o
     pbw_free(&mesh);
     return fault;
 }
+#endif
 
 #endif

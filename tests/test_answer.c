@@ -1,7 +1,7 @@
 /* test_answer.c: one answer, and the right one.  Random small inputs against the oracle, all of the zoo under
    permutations, strides, floats, flags and threads, and answers known from theory.
        build/test_answer --count 1000000 --seed 7          a long run of random inputs */
-#include "../pbw.h"
+#include "pbw_check.h"
 #include "meshes.h"
 #include "small.h"
 #include "test.h"

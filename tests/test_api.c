@@ -6,7 +6,7 @@
 #include <sys/mman.h>
 #include <unistd.h>
 #endif
-#include "../pbw.h"
+#include "pbw_check.h"
 #include "meshes.h"
 #include "test.h"
 

@@ -5,7 +5,7 @@
 #ifndef _POSIX_C_SOURCE
 #define _POSIX_C_SOURCE 200112L
 #endif
-#include "../pbw.h"
+#include "pbw_check.h"
 #include "inputs.h"
 #include "meter.h"
 #include "test.h"

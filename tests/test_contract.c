@@ -3,6 +3,7 @@
 #if defined(__linux__)
 #define _GNU_SOURCE
 #endif
+#include "pbw_check.h"
 #include "pbw_live.h"
 #include "pbw_query.h"
 #include "inputs.h"

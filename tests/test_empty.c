@@ -2,6 +2,7 @@
    without items.  Every interface gives its status and empty arrays; sanitizers find offsets to arrays that are not
    there. */
 #include "pbw_cells.h"
+#include "pbw_check.h"
 #include "pbw_mesh2.h"
 #include "pbw_surface.h"
 #include "pbw_improve.h"

@@ -1,5 +1,6 @@
 /* test_levels.c: every public call of pbw.h keeps options.memory_limit: at 30 levels it holds no more than that, as
    an allocator counts, and gives the answer that it gives without a limit, or PBW_ERROR_MEMORY. */
+#include "pbw_check.h"
 #include "pbw_live.h"
 #include "pbw_query.h"
 #include "inputs.h"

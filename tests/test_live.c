@@ -1,6 +1,7 @@
 /* test_live.c: triangulations that live.  After each commit of random insertions, removals and moves the view is
    compared, byte for byte, with a fresh build of the points that live, and the changes with the sets of simplices
    before and after. */
+#include "pbw_check.h"
 #include "pbw_live.h"
 #include "meshes.h"
 #include "meter.h"

@@ -9,6 +9,7 @@ static void pause_a_while(void);
 #define PBW__TEST_SMALL_SHARES
 #define PBW_STATIC
 #define PBW_IMPLEMENTATION
+#define PBW_CHECK_IMPLEMENTATION
 #define PBW_LIVE_IMPLEMENTATION
 static double verify_at;
 #define PBWL__REBUILD_AT(dim) (1e9)

@@ -19,7 +19,6 @@
 #include <math.h>
 #include <time.h>
 
-static pbw__context alone;                                /* one thread, no progress */
 
 /* --- random numbers: splitmix64 --- */
 
@@ -484,6 +483,14 @@ static int hull_sign(const points *p, int power)
 #endif
 }
 
+static void scan_grid(const double *records, size_t count, int dim, pbw__grid *grid)
+{
+    pbw__grid_share share;
+    pbw__grid_share_reset(&share);
+    pbw__grid_add(&share, records, count, dim, dim + 1);
+    pbw__grid_close(grid, &share, 1, dim);
+}
+
 static void find_grid(const points *p, pbw__grid *grid)
 {
     double records[5 * 4];
@@ -491,7 +498,7 @@ static void find_grid(const points *p, pbw__grid *grid)
     for (i = 0; i < dim + 2; i++) {
         memcpy(records + i * (dim + 1), p->at[i], (size_t)(dim + 1) * sizeof *records);
     }
-    pbw__grid_scan(&alone, records, (size_t)dim + 2, dim, grid);
+    scan_grid(records, (size_t)dim + 2, dim, grid);
 }
 
 /* orientation: filled by integer stages, and by the exact one, if power. */
@@ -1221,7 +1228,7 @@ static void test_grids(long calls)
                     span = fmax(span, high[k] - low[k]);
                 }
                 heaviest = high[dim] - low[dim];
-                pbw__grid_scan(&alone, records, (size_t)n, dim, &grid);
+                scan_grid(records, (size_t)n, dim, &grid);
                 CHECK(grid.inverse_unit != 0 && grid.inverse_unit == ldexp(1, -ilogb(1 / grid.inverse_unit)));
                 CHECK(span * grid.inverse_unit < ldexp(1, grid.bits));
                 CHECK(heaviest * grid.inverse_unit * grid.inverse_unit < ldexp(1, 2 * grid.bits));
@@ -1249,23 +1256,23 @@ static void test_grids(long calls)
             } else {
                 records[below(40) * 4] = (0.5 + unit_random()) * 0x1p-30;
             }
-            pbw__grid_scan(&alone, records, 40, 3, &grid);
+            scan_grid(records, 40, 3, &grid);
             CHECK(grid.inverse_unit == 0 && grid.bits == 0);
         }
         for (j = 0; j < 8; j++) {                          /* 2^53 units are too many */
             records[j] = j == 0 ? 4503599627370497.0 : j == 4 ? -4503599627370495.0 : 0;
         }
-        pbw__grid_scan(&alone, records, 2, 3, &grid);
+        scan_grid(records, 2, 3, &grid);
         CHECK(grid.inverse_unit == 0);
         records[0] -= 1;
-        pbw__grid_scan(&alone, records, 2, 3, &grid);
+        scan_grid(records, 2, 3, &grid);
         CHECK(grid.inverse_unit == 1 && grid.bits == 53);
         for (j = 0; j < 160; j++) {
             records[j] = j % 2 == 0 ? 0.0 : -0.0;
         }
-        pbw__grid_scan(&alone, records, 40, 3, &grid);
+        scan_grid(records, 40, 3, &grid);
         CHECK(grid.inverse_unit == 0);
-        pbw__grid_scan(&alone, records, 0, 3, &grid);
+        scan_grid(records, 0, 3, &grid);
         CHECK(grid.inverse_unit == 0);
         test_end();
     }

@@ -3,7 +3,7 @@
 #if defined(__linux__) || defined(__APPLE__)
 #define _GNU_SOURCE
 #endif
-#include "../pbw.h"
+#include "pbw_check.h"
 #include "meshes.h"
 #include "meter.h"
 #include "test.h"

@@ -27,7 +27,8 @@ static size_t simplex_limit = (size_t)1 << 30;
 #define PBW_LIVE_IMPLEMENTATION
 #endif
 #define PBW_IMPLEMENTATION
-#include "../pbw.h"
+#define PBW_CHECK_IMPLEMENTATION
+#include "pbw_check.h"
 #include "pbw_live.h"
 #include "meshes.h"
 #include "meter.h"

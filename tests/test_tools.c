@@ -1,6 +1,6 @@
 /* test_tools.c: what companion headers build on: pbw_for, pbw_order, pbw_conflict2 and 3, the partial hash, memory,
    arrays, sorting, exact sums, centres, and the flags PBW_CURVE_ORDER and PBW_BORROW. */
-#include "../pbw.h"
+#include "pbw_check.h"
 #include <float.h>
 #include <math.h>
 #include "meshes.h"

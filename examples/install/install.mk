@@ -2,8 +2,8 @@
 # `make uninstall` with the same PREFIX and DESTDIR.  What is installed may be moved as a whole.
 #   bin/pbw                            the program
 #   include/pbw/                       pbw.h and its companions, to be included as "pbw.h"; pbw_cuda.cu beside it
-#   lib/libpbw.a, lib/libpbw.so        the implementations of pbw.h, pbw_query.h and pbw_live.h; a program that defines
-#                                      PBW_IMPLEMENTATION needs neither.  (Shared library: systems with ELF.)
+#   lib/libpbw.a, lib/libpbw.so        the implementations of pbw.h, pbw_check.h, pbw_query.h, pbw_live.h; a program
+#                                      that defines PBW_IMPLEMENTATION needs neither.  (Shared library: systems with ELF.)
 #   lib/pkgconfig/pbw.pc               cc program.c $(pkg-config --cflags --libs pbw)
 #   lib/cmake/pbw/                     find_package(pbw): see pbwConfig.cmake
 #   share/man/man1/pbw.1, completions for bash and zsh, share/doc/pbw: README.md and LICENSE

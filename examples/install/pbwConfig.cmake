@@ -1,5 +1,5 @@
 # find_package(pbw) where `make install PREFIX=` put pbw; for another place -DCMAKE_PREFIX_PATH=that PREFIX.
-#   pbw::pbw       the headers and the library, which has pbw.h, pbw_query.h and pbw_live.h: all that most need
+#   pbw::pbw       the headers and the library, which has pbw.h, pbw_check.h, pbw_query.h, pbw_live.h: all that most need
 #   pbw::header    the header alone, for a program that defines PBW_IMPLEMENTATION in one source file of its own
 #   pbw::library   what pbw::pbw links: static, or shared where BUILD_SHARED_LIBS is on
 # All of them have the companion headers and bring threads.

@@ -1,6 +1,8 @@
-/* library.c: the implementations of pbw.h, queries, live points, cells, samples, tiles; library_*.c have others. */
+/* library.c: pbw.h, checks, queries, live points, cells, samples and tiles are compiled here, others in library_*.c. */
 #define PBW_IMPLEMENTATION
 #include "pbw.h"
+#define PBW_CHECK_IMPLEMENTATION
+#include "pbw_check.h"
 #define PBW_QUERY_IMPLEMENTATION
 #include "pbw_query.h"
 #define PBW_LIVE_IMPLEMENTATION

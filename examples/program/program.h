@@ -15,6 +15,7 @@
 #include "pbw_adapt2.h"
 #include "pbw_adapt3.h"
 #include "pbw_cells.h"
+#include "pbw_check.h"
 #include "pbw_fill.h"
 #include "pbw_improve.h"
 #include "pbw_io.h"

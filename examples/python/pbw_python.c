@@ -3,6 +3,7 @@
    pbw_domains.c meshes domains.
    cc -O2 -I. -Iexamples/lib -fPIC -shared examples/python/pbw_*.c -o libpbw_python.so -lpthread -lm */
 #define PBW_IMPLEMENTATION
+#define PBW_CHECK_IMPLEMENTATION
 #define PBW_QUERY_IMPLEMENTATION
 #define PBW_LIVE_IMPLEMENTATION
 #define PBW_CELLS_IMPLEMENTATION

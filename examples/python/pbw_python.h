@@ -2,6 +2,7 @@
 #ifndef PBW_PYTHON_H
 #define PBW_PYTHON_H
 #include "pbw.h"
+#include "pbw_check.h"
 #include "pbw_query.h"
 #include "pbw_live.h"
 #include "pbw_cells.h"
