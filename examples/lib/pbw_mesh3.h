@@ -307,6 +307,13 @@ typedef struct pbwm3__points {             /* what a round starts from */
     size_t faults, missing_edges;          /* of their boundary */
 } pbwm3__points;
 
+typedef struct pbwm3__triangulation {      /* of the points of a round */
+    pbw_mesh mesh;
+    pbwsf__vectors centre;                 /* of the sphere of each tetrahedron */
+    pbwm3__labels label;
+    pbwsf__flags needs;                    /* per tetrahedron, bits of the facets that need a point */
+} pbwm3__triangulation;
+
 typedef struct pbwm3__work {
     pbw_memory memory;
     const pbw_solid_input *input;
@@ -368,10 +375,9 @@ typedef struct pbwm3__work {
     PBW_ARRAY(pbwm3__piece) pieces;
     PBW_ARRAY(pbwm3__chain) chains;
     PBW_ARRAY(pbwm3__chain_vertex) path;
-    pbw_mesh mesh;
-    pbwsf__vectors centre;                 /* of the sphere of each tetrahedron */
-    pbwm3__labels label;
-    pbwsf__flags needs;                    /* per tetrahedron, bits of the facets that need a point */
+    pbwm3__triangulation now, last;        /* that of the round before, while it tells something */
+    pbwsf__flags moved;                    /* per point: 1, it was changed since the last one */
+    pbwsf__indices same;                   /* per tetrahedron: its number in the last one, PBW_NONE if it is new */
     PBW_ARRAY(pbwm3__new_point) new_points;
     pbwsf__quadruples corners;             /* the solid before improvement */
     pbwsf__indices regions;
@@ -480,10 +486,18 @@ static size_t pbwm3__mesh_bytes(const pbw_mesh *mesh)
                                       + 2 * mesh->point_count * sizeof(pbw_index) + 1024;
 }
 
-static void pbwm3__drop_mesh(pbwm3__work *w)
+static void pbwm3__drop_mesh(pbwm3__work *w, pbw_mesh *mesh)
 {
-    w->memory.used -= pbwm3__mesh_bytes(&w->mesh);
-    pbw_free(&w->mesh);
+    w->memory.used -= pbwm3__mesh_bytes(mesh);
+    pbw_free(mesh);
+}
+
+static void pbwm3__drop_triangulation(pbwm3__work *w, pbwm3__triangulation *of)
+{
+    pbwm3__drop_mesh(w, &of->mesh);
+    PBW_RELEASE(&w->memory, of->centre);
+    PBW_RELEASE(&w->memory, of->label);
+    PBW_RELEASE(&w->memory, of->needs);
 }
 
 /* Reports the progress of a call that is the current stage. */
@@ -584,11 +598,12 @@ static pbw_index pbwm3__add(pbwm3__work *w, const double p[3], int kind, size_t 
     const unsigned char byte = (unsigned char)kind;
     const pbw_index on = (pbw_index)set;
     if (w->x.count >= PBW_NONE / 8 || !PBW_RESERVE(&w->memory, w->links, 1) || !PBW_RESERVE(&w->memory, w->kind, 1)
-        || !PBW_PUSH(&w->memory, w->set, on)
+        || !PBW_RESERVE(&w->memory, w->moved, 1) || !PBW_PUSH(&w->memory, w->set, on)
         || !PBWM3__APPEND(w, w->x, p)) {
         return PBW_NONE;
     }
     w->links.count++;
+    w->moved.at[w->moved.count++] = 1;
     w->kind.at[w->kind.count++] = byte;
     pbwm3__put_in_cell(w, number);
     return number;
@@ -3594,9 +3609,14 @@ static pbw_status pbwm3__label_range(void *arg, size_t from, size_t to)
     size_t t;
     int i, far, bridge;
     for (t = from; t < to; t++) {
-        const pbw_index *c = w->mesh.simplices + 4 * t;
-        double *centre = w->centre.at[t];
+        const pbw_index *c = w->now.mesh.simplices + 4 * t, same = w->same.at[t];
+        double *centre = w->now.centre.at[t];
         const double *p[4];
+        if (same != PBW_NONE) {
+            memcpy(centre, w->last.centre.at[same], 3 * sizeof *centre);
+            w->now.label.at[t] = w->last.label.at[same];
+            continue;
+        }
         for (i = 0; i < 4; i++) {
             p[i] = w->x.at[c[i]];
         }
@@ -3610,7 +3630,7 @@ static pbw_status pbwm3__label_range(void *arg, size_t from, size_t to)
             }
         }
         bridge = pbwm3__bridges(w, c);
-        w->label.at[t] = far && !bridge ? 0 : pbwm3__is_flat(w, c, bridge) ? pbwm3__label_outside(w, p, c)
+        w->now.label.at[t] = far && !bridge ? 0 : pbwm3__is_flat(w, c, bridge) ? pbwm3__label_outside(w, p, c)
                            : bridge ? pbwm3__label_of_middle(w, p) : pbwm3__inside(w, centre);
     }
     return PBW_OK;
@@ -3619,11 +3639,11 @@ static pbw_status pbwm3__label_range(void *arg, size_t from, size_t to)
 /* Adds the tetrahedra that are labelled -1 and connected with the last of the queue, which is; they become 0. */
 static int pbwm3__flood_outside(pbwm3__work *w, pbwsf__indices *queue)
 {
-    int *label = w->label.at, good = 1;
+    int *label = w->now.label.at, good = 1;
     size_t i, done;
     for (done = queue->count - 1; good && done < queue->count; done++) {
         for (i = 0; good && i < 4; i++) {
-            const pbw_index next = w->mesh.neighbors[4 * (size_t)queue->at[done] + i];
+            const pbw_index next = w->now.mesh.neighbors[4 * (size_t)queue->at[done] + i];
             if (next != PBW_NONE && label[next] == -1) {
                 label[next] = 0;
                 good = PBW_PUSH(&w->memory, *queue, next);
@@ -3637,8 +3657,8 @@ static int pbwm3__flood_outside(pbwm3__work *w, pbwsf__indices *queue)
    one is outside.  Returns 0 if there is no memory. */
 static int pbwm3__close_voids(pbwm3__work *w)
 {
-    const size_t count = w->mesh.simplex_count;
-    int *label = w->label.at, good = 1, hull;
+    const size_t count = w->now.mesh.simplex_count;
+    int *label = w->now.label.at, good = 1, hull;
     pbwsf__indices queue = { NULL, 0, 0 };
     size_t t, i;
     for (t = 0; t < count; t++) {                    /* -1: not reached */
@@ -3646,7 +3666,7 @@ static int pbwm3__close_voids(pbwm3__work *w)
     }
     for (hull = 1; hull >= 0; hull--) {
         for (t = 0; good && t < count; t++) {
-            const pbw_index *next = w->mesh.neighbors + 4 * t;
+            const pbw_index *next = w->now.mesh.neighbors + 4 * t;
             int outside = hull;
             if (label[t] != -1 || (hull && next[0] != PBW_NONE && next[1] != PBW_NONE && next[2] != PBW_NONE
                                    && next[3] != PBW_NONE)) {
@@ -3656,7 +3676,7 @@ static int pbwm3__close_voids(pbwm3__work *w)
             label[t] = 0;
             good = PBW_PUSH(&w->memory, queue, (pbw_index)t) && pbwm3__flood_outside(w, &queue);
             for (i = 0; good && !outside && i < queue.count; i++) {
-                const pbw_index *c = w->mesh.simplices + 4 * (size_t)queue.at[i];
+                const pbw_index *c = w->now.mesh.simplices + 4 * (size_t)queue.at[i];
                 const double *const p[4] = { w->x.at[c[0]], w->x.at[c[1]], w->x.at[c[2]], w->x.at[c[3]] };
                 outside = pbwm3__label_of_middle(w, p) == 0;
             }
@@ -3669,31 +3689,88 @@ static int pbwm3__close_voids(pbwm3__work *w)
     return good;
 }
 
+/* The first place in a table of so many, a power of 2, for a tetrahedron with these corners. */
+static size_t pbwm3__hash_corners(const pbw_index c[4], size_t places)
+{
+    const uint64_t low = (uint64_t)c[0] << 32 | c[1], high = (uint64_t)c[2] << 32 | c[3];
+    const uint64_t key = (low ^ high * 0x9e3779b97f4a7c15u) * 0xbf58476d1ce4e5b9u;
+    return (size_t)(key ^ key >> 31) & (places - 1);
+}
+
+/* Finds the tetrahedra of the last triangulation of which no corner has moved, in a hash table.  Their centres, labels
+   and needs are what they were.  Where shells cross, labels depend on those of others.  Returns 0 without memory. */
+static int pbwm3__find_same(pbwm3__work *w)
+{
+    const pbw_mesh *last = &w->last.mesh, *now = &w->now.mesh;
+    const size_t tells = w->kinks ? 0 : last->simplex_count;
+    pbwsf__indices table = { NULL, 0, 0 };
+    size_t places = 16, t, at;
+    int good, i;
+    while (places < 2 * tells) {
+        places *= 2;
+    }
+    good = PBW_FIT(&w->memory, w->same, now->simplex_count + 1) && PBW_FIT(&w->memory, table, places);
+    if (good) {
+        memset(table.at, 0xff, places * sizeof *table.at);
+    }
+    for (t = 0; good && t < tells; t++) {
+        for (at = pbwm3__hash_corners(last->simplices + 4 * t, places); table.at[at] != PBW_NONE;
+             at = (at + 1) & (places - 1)) {
+        }
+        table.at[at] = (pbw_index)t;
+    }
+    for (t = 0; good && t < now->simplex_count; t++) {
+        const pbw_index *c = now->simplices + 4 * t;
+        w->same.at[t] = PBW_NONE;
+        for (i = 0; i < 4 && !w->moved.at[c[i]]; i++) {
+        }
+        if (i < 4 || tells == 0) {
+            continue;
+        }
+        for (at = pbwm3__hash_corners(c, places); table.at[at] != PBW_NONE
+             && memcmp(last->simplices + 4 * (size_t)table.at[at], c, 4 * sizeof *c) != 0;
+             at = (at + 1) & (places - 1)) {
+        }
+        w->same.at[t] = table.at[at];
+    }
+    PBW_RELEASE(&w->memory, table);
+    return good;
+}
+
 static pbw_status pbwm3__rebuild(pbwm3__work *w)
 {
+    pbwm3__triangulation before = w->last;
     pbw_options options;
     pbw_status status;
-    pbwm3__drop_mesh(w);
+    size_t room;
+    pbwm3__drop_mesh(w, &before.mesh);
+    w->last = w->now;
+    w->now = before;
     options = *pbwm3__inner_options(w);
     options.flags = PBW_BORROW;
-    status = pbw_triangulate(3, w->x.at[0], NULL, w->x.count, &options, &w->mesh);
-    w->memory.used += pbwm3__mesh_bytes(&w->mesh);
+    status = pbw_triangulate(3, w->x.at[0], NULL, w->x.count, &options, &w->now.mesh);
+    w->memory.used += pbwm3__mesh_bytes(&w->now.mesh);
     if (status != PBW_OK) {
         return status;
     }
-    if (w->label.capacity < w->mesh.simplex_count) {
-        const size_t room = w->mesh.simplex_count + w->mesh.simplex_count / 8 + 1;
-        if (!PBW_FIT(&w->memory, w->label, room) || !PBW_FIT(&w->memory, w->centre, room)) {
+    room = w->now.mesh.simplex_count;
+    if (w->now.label.capacity < room) {
+        room += room / 8 + 1;
+        if (!PBW_FIT(&w->memory, w->now.label, room) || !PBW_FIT(&w->memory, w->now.centre, room)) {
             return PBW_ERROR_MEMORY;
         }
     }
-    status = pbw_for(pbwm3__inner_options(w), w->mesh.simplex_count, 256, pbwm3__label_range, w);
+    if (!pbwm3__find_same(w)) {
+        return PBW_ERROR_MEMORY;
+    }
+    memset(w->moved.at, 0, w->moved.count);
+    status = pbw_for(pbwm3__inner_options(w), w->now.mesh.simplex_count, 256, pbwm3__label_range, w);
     return status != PBW_OK ? status : !w->kinks || pbwm3__close_voids(w) ? PBW_OK : PBW_ERROR_MEMORY;
 }
 
 static int pbwm3__label_of(const pbwm3__work *w, pbw_index t)
 {
-    return t != PBW_NONE ? w->label.at[t] : 0;
+    return t != PBW_NONE ? w->now.label.at[t] : 0;
 }
 
 /* ------------------------------------------------------------------------------------------------------
@@ -3873,12 +3950,12 @@ static int pbwm3__list_boundary(pbwm3__work *w, pbwsf__triples *facets, pbwm3__l
     size_t t;
     int i;
     facets->count = 0;
-    for (t = 0; t < w->mesh.simplex_count; t++) {
-        for (i = 0; i < 4 && w->label.at[t]; i++) {
-            const pbw_index *c = w->mesh.simplices + 4 * t;
+    for (t = 0; t < w->now.mesh.simplex_count; t++) {
+        for (i = 0; i < 4 && w->now.label.at[t]; i++) {
+            const pbw_index *c = w->now.mesh.simplices + 4 * t;
             const pbw_index f[3] = { c[pbwim__opposite[i][0]], c[pbwim__opposite[i][2]], c[pbwim__opposite[i][1]] };
-            const int label = w->label.at[t];
-            const int other = pbwm3__label_of(w, w->mesh.neighbors[4 * t + (size_t)i]);
+            const int label = w->now.label.at[t];
+            const int other = pbwm3__label_of(w, w->now.mesh.neighbors[4 * t + (size_t)i]);
             if ((both ? other != label : other < label)
                 && (!PBWM3__APPEND(w, *facets, f)
                     || (both && !PBW_PUSH(&w->memory, *labels, label)))) {
@@ -3906,7 +3983,7 @@ static int pbwm3__is_near_surface(const pbwm3__work *w, const double p[3])
    cuts off a sharp edge, and needs one. */
 static int pbwm3__needs_point(const pbwm3__work *w, size_t t, int i, pbwm3__new_point *point)
 {
-    const pbw_index n = w->mesh.neighbors[4 * t + (size_t)i], *c = w->mesh.simplices + 4 * t;
+    const pbw_index n = w->now.mesh.neighbors[4 * t + (size_t)i], *c = w->now.mesh.simplices + 4 * t;
     const int inner = pbwm3__label_of(w, (pbw_index)t), outer = pbwm3__label_of(w, n);
     double where = 0, *p = point->p;
     pbw_index f[3], met;
@@ -3922,8 +3999,8 @@ static int pbwm3__needs_point(const pbwm3__work *w, size_t t, int i, pbwm3__new_
     }
     bridge = k == 3 && pbwm3__common_patch(w, f, 3) == PBW_NONE;
     if (n != PBW_NONE && !bridge) {
-        met = pbw_surface_meets(&w->surface, w->centre.at[t], w->centre.at[n], &where);
-        pbwsf__between(w->centre.at[t], w->centre.at[n], where, p);
+        met = pbw_surface_meets(&w->surface, w->now.centre.at[t], w->now.centre.at[n], &where);
+        pbwsf__between(w->now.centre.at[t], w->now.centre.at[n], where, p);
         if (met != PBW_NONE && pbwsf__distance(p, w->x.at[f[0]]) > 1.1 * pbwm3__size(w, p)) {
             return 1;
         }
@@ -3957,6 +4034,7 @@ static int pbwm3__add_if_far(pbwm3__work *w, const double p[3], size_t patch, do
         memcpy(w->x.at[inside], p, 3 * sizeof *p);
         w->kind.at[inside] = PBWM3__SMOOTH;
         w->set.at[inside] = (pbw_index)patch;
+        w->moved.at[inside] = 1;
         pbwm3__put_in_cell(w, inside);
         return 1;
     }
@@ -4013,6 +4091,7 @@ static void pbwm3__remove_point(pbwm3__work *w, pbw_index p)
     pbwm3__take_from_cell(w, p);
     memcpy(w->x.at[p], w->x.at[0], 3 * sizeof(double));
     w->kind.at[p] = PBWM3__REMOVED;
+    w->moved.at[p] = 1;
     pbwm3__put_in_cell(w, p);
 }
 
@@ -4030,9 +4109,9 @@ static void pbwm3__find_pieces(const pbwm3__work *w, unsigned char *found)
     const pbwm3__piece *piece = w->pieces.at, *at;
     size_t t;
     int e;
-    for (t = 0; t < w->mesh.simplex_count; t++) {
-        const pbw_index *c = w->mesh.simplices + 4 * t;
-        for (e = 0; e < 6 && w->label.at[t]; e++) {
+    for (t = 0; t < w->now.mesh.simplex_count; t++) {
+        const pbw_index *c = w->now.mesh.simplices + 4 * t;
+        for (e = 0; e < 6 && w->now.label.at[t]; e++) {
             pbwm3__piece key;
             key.a = c[pbwim__edge[e][0]];
             key.b = c[pbwim__edge[e][1]];
@@ -4102,15 +4181,18 @@ static long pbwm3__halve_pieces(pbwm3__work *w)
 static pbw_status pbwm3__need_range(void *arg, size_t from, size_t to)
 {
     pbwm3__work *w = (pbwm3__work *)arg;
-    unsigned char *needs = w->needs.at;
+    unsigned char *needs = w->now.needs.at;
     size_t t;
     int k;
     for (t = from; t < to; t++) {
         needs[t] = 0;
         for (k = 0; k < 4; k++) {
-            const pbw_index n = w->mesh.neighbors[4 * t + (size_t)k];
+            const pbw_index n = w->now.mesh.neighbors[4 * t + (size_t)k];
+            const pbw_index same = w->same.at[t], next = n == PBW_NONE ? PBW_NONE : w->same.at[n];
+            const int known = same != PBW_NONE && next != PBW_NONE && same < next;
             pbwm3__new_point point;
-            if ((n == PBW_NONE || n > t) && pbwm3__needs_point(w, t, k, &point)) {
+            if ((n == PBW_NONE || n > t)
+                && (known ? w->last.needs.at[same] >> k & 1 : pbwm3__needs_point(w, t, k, &point))) {
                 needs[t] |= (unsigned char)(1 << k);
             }
         }
@@ -4137,17 +4219,18 @@ static pbw_status pbwm3__list_new_points(pbwm3__work *w)
     pbw_status status;
     size_t i;
     w->new_points.count = 0;
-    if (w->needs.capacity < w->mesh.simplex_count && !PBW_FIT(&w->memory, w->needs, w->label.capacity)) {
+    if (w->now.needs.capacity < w->now.mesh.simplex_count
+        && !PBW_FIT(&w->memory, w->now.needs, w->now.label.capacity)) {
         return PBW_ERROR_MEMORY;
     }
     options.progress = pbwm3__part_progress;
     options.progress_user = w;
-    status = pbw_for(&options, w->mesh.simplex_count, 256, pbwm3__need_range, w);
-    for (i = 0; status == PBW_OK && i < 4 * w->mesh.simplex_count; i++) {
+    status = pbw_for(&options, w->now.mesh.simplex_count, 256, pbwm3__need_range, w);
+    for (i = 0; status == PBW_OK && i < 4 * w->now.mesh.simplex_count; i++) {
         pbwm3__new_point point;
         memset(&point, 0, sizeof point);
         point.facet = i;
-        if (w->needs.at[i / 4] >> i % 4 & 1
+        if (w->now.needs.at[i / 4] >> i % 4 & 1
             && !PBW_PUSH(&w->memory, w->new_points, point)) {
             status = PBW_ERROR_MEMORY;
         }
@@ -4385,7 +4468,8 @@ static int pbwm3__keep_points(pbwm3__work *w)
 static pbw_status pbwm3__put_back(pbwm3__work *w)
 {
     const pbwm3__points *kept = &w->kept;
-    w->x.count = w->kind.count = w->links.count = w->set.count = kept->x.count;
+    w->x.count = w->kind.count = w->moved.count = w->links.count = w->set.count = kept->x.count;
+    memset(w->moved.at, 1, w->moved.count);
     w->pieces.count = kept->pieces.count;
     memcpy(w->x.at, kept->x.at, w->x.count * sizeof *w->x.at);
     memcpy(w->kind.at, kept->kind.at, w->x.count);
@@ -4421,6 +4505,7 @@ static pbw_status pbwm3__halve_sizes(pbwm3__work *w, long *changed)
     }
     if (w->cells_halved > 0) {
         pbwm3__grade(w);
+        memset(w->moved.at, 1, w->moved.count);      /* what is known was so for other sizes */
         *changed += 1;
     }
     return status;
@@ -4472,6 +4557,8 @@ static pbw_status pbwm3__rounds(pbwm3__work *w)
         status = pbwm3__put_back(w);
         status = status != PBW_OK ? status : pbwm3__count_faults(w);
     }
+    pbwm3__drop_triangulation(w, &w->last);
+    PBW_RELEASE(&w->memory, w->same);
     return status;
 }
 
@@ -4493,14 +4580,14 @@ static pbw_index pbwm3__flood(pbwm3__work *w, pbw_index t, pbw_index *region, pb
         return PBW_NONE;
     }
     for (done = 0; done < queue->count; done++) {
-        const pbw_index at = queue->at[done], *c = w->mesh.simplices + 4 * (size_t)at;
+        const pbw_index at = queue->at[done], *c = w->now.mesh.simplices + 4 * (size_t)at;
         const double volume = pbw_tet_measure(PBW_MEASURE_VOLUME, w->x.at[c[0]], w->x.at[c[1]],
                                               w->x.at[c[2]], w->x.at[c[3]]);
         largest = volume > most ? at : largest;
         most = fmax(most, volume);
         for (i = 0; i < 4; i++) {
-            const pbw_index next = w->mesh.neighbors[4 * (size_t)at + (size_t)i];
-            if (pbwm3__label_of(w, next) == w->label.at[t] && region[next] == PBW_NONE) {
+            const pbw_index next = w->now.mesh.neighbors[4 * (size_t)at + (size_t)i];
+            if (pbwm3__label_of(w, next) == w->now.label.at[t] && region[next] == PBW_NONE) {
                 region[next] = number;
                 if (!PBW_PUSH(&w->memory, *queue, next)) {
                     return PBW_NONE;
@@ -4518,25 +4605,25 @@ static int pbwm3__find_regions(pbwm3__work *w, pbw_tets *in)
     pbwsf__indices queue = { NULL, 0, 0 };
     pbw_index *region, largest;
     size_t t, i, count = 0;
-    int good = PBW_FIT(&w->memory, w->regions, w->mesh.simplex_count + 1);
+    int good = PBW_FIT(&w->memory, w->regions, w->now.mesh.simplex_count + 1);
     region = w->regions.at;
-    for (t = 0; good && t < w->mesh.simplex_count; t++) {
+    for (t = 0; good && t < w->now.mesh.simplex_count; t++) {
         region[t] = PBW_NONE;
     }
-    for (t = 0; good && t < w->mesh.simplex_count; t++) {
+    for (t = 0; good && t < w->now.mesh.simplex_count; t++) {
         const double *p[4];
         double middle[3];
         pbw_index number;
-        if (w->walls && w->label.at[t]) {
-            region[t] = (pbw_index)(w->label.at[t] - 1);
+        if (w->walls && w->now.label.at[t]) {
+            region[t] = (pbw_index)(w->now.label.at[t] - 1);
         }
-        if (!w->label.at[t] || region[t] != PBW_NONE) {
+        if (!w->now.label.at[t] || region[t] != PBW_NONE) {
             continue;
         }
         largest = pbwm3__flood(w, (pbw_index)t, region, 0, &queue);
         good = largest != PBW_NONE;
         for (i = 0; i < 4 && good; i++) {
-            p[i] = w->x.at[w->mesh.simplices[4 * (size_t)largest + i]];
+            p[i] = w->x.at[w->now.mesh.simplices[4 * (size_t)largest + i]];
         }
         if (good) {
             pbwm3__middle(p, middle);
@@ -4546,8 +4633,8 @@ static int pbwm3__find_regions(pbwm3__work *w, pbw_tets *in)
             }
         }
     }
-    for (t = 0; good && t < w->mesh.simplex_count; t++) {
-        if (w->label.at[t]) {
+    for (t = 0; good && t < w->now.mesh.simplex_count; t++) {
+        if (w->now.label.at[t]) {
             region[count++] = region[t];
         }
     }
@@ -4567,8 +4654,8 @@ static pbw_status pbwm3__improve(pbwm3__work *w, pbw_tets *out)
     if (!pbwm3__find_regions(w, &in)) {
         return PBW_ERROR_MEMORY;
     }
-    for (t = 0; t < w->mesh.simplex_count; t++) {
-        if (w->label.at[t] && !PBWM3__APPEND(w, w->corners, w->mesh.simplices + 4 * t)) {
+    for (t = 0; t < w->now.mesh.simplex_count; t++) {
+        if (w->now.label.at[t] && !PBWM3__APPEND(w, w->corners, w->now.mesh.simplices + 4 * t)) {
             return PBW_ERROR_MEMORY;
         }
     }
@@ -4581,7 +4668,7 @@ static pbw_status pbwm3__improve(pbwm3__work *w, pbw_tets *out)
     if (w->corners.count == 0) {
         return PBW_DEGENERATE;
     }
-    pbwm3__drop_mesh(w);
+    pbwm3__drop_mesh(w, &w->now.mesh);
     in.points = w->x.at[0];
     in.point_count = w->x.count;
     in.corners = w->corners.at[0];
@@ -5028,7 +5115,10 @@ static pbw_status pbwm3__sample(pbwm3__work *w)
 
 static void pbwm3__free(pbwm3__work *w)
 {
-    pbwm3__drop_mesh(w);
+    pbwm3__drop_triangulation(w, &w->now);
+    pbwm3__drop_triangulation(w, &w->last);
+    PBW_RELEASE(&w->memory, w->moved);
+    PBW_RELEASE(&w->memory, w->same);
     pbwm3__drop_surface(w, &w->surface);
     PBW_RELEASE(&w->memory, w->field);
     PBW_RELEASE(&w->memory, w->halved);
@@ -5060,9 +5150,6 @@ static void pbwm3__free(pbwm3__work *w)
     PBW_RELEASE(&w->memory, w->pieces);
     PBW_RELEASE(&w->memory, w->chains);
     PBW_RELEASE(&w->memory, w->path);
-    PBW_RELEASE(&w->memory, w->centre);
-    PBW_RELEASE(&w->memory, w->label);
-    PBW_RELEASE(&w->memory, w->needs);
     PBW_RELEASE(&w->memory, w->new_points);
     PBW_RELEASE(&w->memory, w->corners);
     PBW_RELEASE(&w->memory, w->marks);
