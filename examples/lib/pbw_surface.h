@@ -43,6 +43,8 @@
    complete, so that no links are needed.  Queries write nothing: any number of threads may run them at once on one
    surface.  pbw_mesh3.h and pbw_improve.h do so unless options.threads is 1, and call `value`, `project` and size
    callbacks from several threads at once.
+   Crossings: leaves against later leaves, with boxes of rounded numbers for each triangle.  Most pairs that are left
+   have a corner in common, and one count of the triangles around that corner settles all of them (>>faults).
 
    PROMISES  (tests/test_improve.c guards them)
      inside      exact for a closed surface: the parity of a ray is counted by exact signs, and a ray through edges or
@@ -124,7 +126,8 @@ typedef struct pbw_surface_faults {        /* start from {0}; pbw_surface_faults
 } pbw_surface_faults;
 
 /* Finds them.  Returns what pbw_surface_create returns, PBW_CANCELLED, or PBW_ERROR_TOO_LARGE for more than 2^32 / 3
-   triangles; faults are empty then.  Progress is PBW_STAGE_WORK.  Holds up to 150 bytes a triangle meanwhile. */
+   triangles; faults are empty then.  Progress is PBW_STAGE_WORK.  Holds up to 150 bytes a triangle meanwhile, or 90 a
+   point where that is more. */
 PBWSURFACEDEF pbw_status pbw_surface_crossings(const double *points, size_t point_count, const pbw_index *triangles,
                                                size_t triangle_count, const pbw_options *options,
                                                pbw_surface_faults *faults);
@@ -138,6 +141,7 @@ PBWSURFACEDEF void pbw_surface_faults_free(pbw_surface_faults *faults);      /* 
 #if defined(PBW_SURFACE_IMPLEMENTATION) && !defined(PBWSURFACE__IMPLEMENTED)
 #define PBWSURFACE__IMPLEMENTED
 
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -775,11 +779,20 @@ typedef struct pbwsf__found {              /* what pbw_surface_faults shows */
     pbwsf__numbers segments;
 } pbwsf__found;
 
+enum { PBWSF__ALL_SIGNS = 63, PBWSF__AGAIN = 64, PBWSF__FLAT = 128 };  /* again: given before */
+
+typedef struct pbwsf__star {               /* the triangles at a place: see pbwsf__star_range */
+    unsigned char signs, up[3];
+} pbwsf__star;
+
 typedef struct pbwsf__node {
     double low[3], high[3];                /* the box of its triangles */
-    double far_low[3], far_high[3];        /* the box of their sides across from the apex */
     pbw_index apex;                        /* the corner that all of them have; PBW_NONE: there is none */
 } pbwsf__node;
+
+typedef struct pbwsf__slab {               /* boxes of the triangles of a leaf */
+    float low[3][PBWSF__LEAF], high[3][PBWSF__LEAF];
+} pbwsf__slab;
 
 typedef struct pbwsf__search {
     pbw_memory *memory;
@@ -793,12 +806,18 @@ typedef struct pbwsf__search {
     pbwsf__indices rank, first;            /* per point: its place; per place: the first point there */
     pbwsf__vectors places;
     pbwsf__indices degree;                 /* per place: the corners there */
-    pbwsf__indices corners, items;         /* corners: places; items: what is sorted, sides or triangles */
-    pbwsf__indices room, start;            /* for the sort */
-    int pass;                              /* of the sort */
-    pbwsf__flags flat;                     /* per triangle */
+    pbwsf__indices corners, items;         /* of triangles in the order of the tree: their places, 3 each; numbers */
+    pbwsf__indices room;
+    int sides;                             /* what is sorted: 1, sides; 0, triangles */
+    pbwsf__keys keys;                      /* sorted: the second place, and below it the side or triangle */
+    pbwsf__indices ends;                   /* per place: where the keys end that have it as first place */
+    pbwsf__flags signs;                    /* per triangle: see pbwsf__signs_of */
+    PBW_ARRAY(pbwsf__star) stars;          /* per place */
     PBW_ARRAY(pbwsf__node) nodes;          /* of the tree: node i has the children 2 i + 1 and 2 i + 2 */
-    size_t first_leaf;                     /* node first_leaf + j has the triangles 4 j .. 4 j + 3 of items */
+    PBW_ARRAY(pbwsf__node) far_nodes;      /* the same for the sides across from the apex */
+    PBW_ARRAY(pbwsf__slab) slabs;          /* per leaf */
+    size_t first_leaf, node_count;         /* node first_leaf + j has the triangles 4 j .. 4 j + 3 of items; nodes from
+                                              node_count on are not there: they would have none */
     double least;                          /* see pbwsf__side_of */
     PBW_ARRAY(pbwsf__keys) pairs;          /* per range of leaves: pairs of triangles that meet elsewhere */
 } pbwsf__search;
@@ -879,7 +898,6 @@ static pbw_status pbwsf__corner_range(void *arg, size_t from, size_t to)
     for (; from < to; from++) {
         s->corners.at[from] = s->rank.at[s->triangles[from]];
         s->degree.at[s->corners.at[from]]++;
-        s->items.at[from] = (pbw_index)from;
     }
     return PBW_OK;
 }
@@ -898,13 +916,11 @@ static pbw_status pbwsf__weld(pbwsf__search *s)
     status = status != PBW_OK ? status : pbwsf__in_order(s, 0.02, points, pbwsf__repeated_range);
     PBW_RELEASE(s->memory, s->room);
     if (status == PBW_OK
-        && (!PBW_FIT(s->memory, s->corners, corners + 1) || !PBW_FIT(s->memory, s->items, corners + 1)
-            || !PBW_FIT(s->memory, s->places, s->first.count + 1)
+        && (!PBW_FIT(s->memory, s->corners, corners + 1) || !PBW_FIT(s->memory, s->places, s->first.count + 1)
             || !PBW_ZEROS(s->memory, s->degree, s->first.count))) {
         status = PBW_ERROR_MEMORY;
     }
     status = status != PBW_OK ? status : pbwsf__in_order(s, 0.03, corners, pbwsf__corner_range);
-    s->items.count = corners;
     PBW_RELEASE(s->memory, s->rank);
     return status;
 }
@@ -919,141 +935,228 @@ static void pbwsf__side_places(const pbwsf__search *s, pbw_index side, pbw_index
     out[2] = c[k == 0 ? 2 : k - 1];
 }
 
-/* The corners of a triangle, the apex first, then the lower one of the others. */
-static void pbwsf__from_apex(const pbwsf__search *s, pbw_index triangle, pbw_index out[3])
+/* By which places an item is sorted: a side by both of its own, a triangle by its apex and the lower one of the
+   others. */
+static void pbwsf__places_of(const pbwsf__search *s, pbw_index item, pbw_index out[2])
 {
-    const pbw_index *c = s->corners.at + 3 * (size_t)triangle, *degree = s->degree.at;
-    pbw_index a, b;
+    const pbw_index *c = s->corners.at + 3 * (size_t)item, *degree = s->degree.at;
     int k, apex = 0;
+    if (s->sides) {
+        pbw_index v[3];
+        pbwsf__side_places(s, item, v);
+        out[0] = v[0], out[1] = v[1];
+        return;
+    }
     for (k = 1; k < 3; k++) {
         if (degree[c[k]] > degree[c[apex]] || (degree[c[k]] == degree[c[apex]] && c[k] < c[apex])) {
             apex = k;
         }
     }
     out[0] = c[apex];
-    a = c[(apex + 1) % 3];
-    b = c[(apex + 2) % 3];
-    out[1] = a < b ? a : b;
-    out[2] = a < b ? b : a;
-}
-
-/* Returns by what an item is sorted in this pass: a side by its places, a triangle by its apex and then. */
-static pbw_index pbwsf__sort_key(const pbwsf__search *s, pbw_index item)
-{
-    pbw_index v[3];
-    if (s->pass < 3) {
-        pbwsf__side_places(s, item, v);
-        return v[s->pass];
-    }
-    pbwsf__from_apex(s, item, v);
-    return v[s->pass - 3];
+    out[1] = c[(apex + 1) % 3] < c[(apex + 2) % 3] ? c[(apex + 1) % 3] : c[(apex + 2) % 3];
 }
 
 static pbw_status pbwsf__count_range(void *arg, size_t from, size_t to)
 {
     pbwsf__search *s = (pbwsf__search *)arg;
+    pbw_index v[2];
     for (; from < to; from++) {
-        s->start.at[(size_t)pbwsf__sort_key(s, s->items.at[from]) + 1]++;
+        pbwsf__places_of(s, (pbw_index)from, v);
+        s->ends.at[v[0]]++;
     }
     return PBW_OK;
 }
 
+/* ends: where the keys of each place begin, and behind it where they end. */
 static pbw_status pbwsf__place_range(void *arg, size_t from, size_t to)
 {
     pbwsf__search *s = (pbwsf__search *)arg;
+    pbw_index v[2];
     for (; from < to; from++) {
-        s->room.at[s->start.at[pbwsf__sort_key(s, s->items.at[from])]++] = s->items.at[from];
+        pbwsf__places_of(s, (pbw_index)from, v);
+        s->keys.at[s->ends.at[v[0]]++] = (uint64_t)v[1] << 32 | from;
     }
     return PBW_OK;
 }
 
-/* Sorts the items by counting, in passes from `last` to `first`: by the last key, in that order by the one before,
-   and so on; items with the same keys stay in their order. */
-static pbw_status pbwsf__sort_items(pbwsf__search *s, int first, int last)
+/* Sorts keys, none of which are equal. */
+static pbw_status pbwsf__sort_keys(pbwsf__search *s, uint64_t *keys, size_t count)
 {
-    const size_t count = s->items.count, places = s->first.count;
-    pbw_status status = PBW_FIT(s->memory, s->room, count + 1) && PBW_FIT(s->memory, s->start, places + 1)
-                      ? PBW_OK : PBW_ERROR_MEMORY;
-    for (s->pass = last; s->pass >= first && status == PBW_OK; s->pass--) {
-        pbwsf__indices swap;
-        size_t i;
-        memset(s->start.at, 0, (places + 1) * sizeof *s->start.at);
-        status = pbwsf__in_order(s, 0.02, count, pbwsf__count_range);
-        for (i = 1; i <= places; i++) {
-            s->start.at[i] += s->start.at[i - 1];
+    pbw_status status = PBW_ERROR_MEMORY;
+    pbw_options alone = s->options;
+    pbwsf__keys copy = { NULL, 0, 0 };
+    pbwsf__indices order = { NULL, 0, 0 };
+    size_t i, k;
+    for (i = 1; i < count && count <= 64; i++) {
+        const uint64_t key = keys[i];
+        for (k = i; k > 0 && keys[k - 1] > key; k--) {
+            keys[k] = keys[k - 1];
         }
-        status = status != PBW_OK ? status : pbwsf__in_order(s, 0.04, count, pbwsf__place_range);
-        s->room.count = count;
-        swap = s->items;
-        s->items = s->room;
-        s->room = swap;
+        keys[k] = key;
     }
-    PBW_RELEASE(s->memory, s->room);
-    PBW_RELEASE(s->memory, s->start);
+    if (count <= 64) {
+        return PBW_OK;
+    }
+    alone.threads = 1;
+    alone.progress = NULL;
+    if (PBW_FIT(s->memory, copy, count) && PBW_FIT(s->memory, order, count)) {
+        memcpy(copy.at, keys, count * sizeof *keys);
+        status = pbw_sort(copy.at, count, &alone, order.at);
+    }
+    for (i = 0; i < count && status == PBW_OK; i++) {
+        keys[i] = copy.at[order.at[i]];
+    }
+    PBW_RELEASE(s->memory, copy);
+    PBW_RELEASE(s->memory, order);
     return status;
 }
 
-/* Sides from .. end - 1 are of one edge, v.  Lists the edge if it is faulty. */
-static int pbwsf__list_edge(pbwsf__search *s, const pbw_index v[3], size_t from, size_t end)
+static size_t pbwsf__begin_of(const pbwsf__search *s, size_t place)
 {
-    pbwsf__found *f = s->found;
-    const pbw_index a = s->first.at[v[0]], b = s->first.at[v[1]];
-    size_t i, forward = 0;
-    for (i = from; i < end; i++) {
-        forward += s->corners.at[s->items.at[i]] == v[0];
-    }
-    return v[0] == v[1] || (end - from == 2 && forward == 1)
-        || (PBW_PUSH(s->memory, f->edges, a < b ? a : b) && PBW_PUSH(s->memory, f->edges, a < b ? b : a)
-            && PBW_PUSH(s->memory, f->edge_triangles, (pbw_index)(end - from)));
+    return place > 0 ? s->ends.at[place - 1] : 0;
 }
 
-/* Lists triangles given twice among the sides from .. end - 1 of one edge, v; each triangle counts at the edge across
-   from its last corner.  Like flat ones, they leave the search. */
-static int pbwsf__list_triangles(pbwsf__search *s, const pbw_index v[3], size_t from, size_t end)
+static pbw_status pbwsf__sort_range(void *arg, size_t from, size_t to)
 {
-    pbw_index across = PBW_NONE, first = 0, w[3];
-    int good = 1;
-    for (; from < end && good && v[0] != v[1]; from++) {
-        const pbw_index t = s->items.at[from] / 3;
-        pbwsf__side_places(s, s->items.at[from], w);
-        if (w[2] <= w[1]) {
-            continue;
-        }
-        if (w[2] == across) {
-            good = PBW_PUSH(s->memory, s->found->duplicates, t) && PBW_PUSH(s->memory, s->found->duplicates, first);
-            s->flat.at[t] = 1;
-        } else {
-            across = w[2];
-            first = t;
+    pbwsf__search *s = (pbwsf__search *)arg;
+    pbw_status status = PBW_OK;
+    for (; from < to && status == PBW_OK; from++) {
+        const size_t begin = pbwsf__begin_of(s, from);
+        status = pbwsf__sort_keys(s, s->keys.at + begin, s->ends.at[from] - begin);
+    }
+    return status;
+}
+
+/* Sorts the sides, or triangles, by two places each, those with the same places by their numbers. */
+static pbw_status pbwsf__sort_items(pbwsf__search *s, int sides)
+{
+    const size_t count = (sides ? 3 : 1) * s->triangle_count, places = s->first.count;
+    pbw_status status = PBW_FIT(s->memory, s->keys, count + 1) && PBW_ZEROS(s->memory, s->ends, places)
+                      ? PBW_OK : PBW_ERROR_MEMORY;
+    pbw_index begin = 0;
+    size_t i;
+    s->sides = sides;
+    status = status != PBW_OK ? status : pbwsf__in_order(s, 0.04, count, pbwsf__count_range);
+    for (i = 0; i < places && status == PBW_OK; i++) {
+        const pbw_index of_place = s->ends.at[i];
+        s->ends.at[i] = begin;
+        begin += of_place;
+    }
+    status = status != PBW_OK ? status : pbwsf__in_order(s, 0.06, count, pbwsf__place_range);
+    return status != PBW_OK ? status : pbw_for(pbwsf__next_part(s, 0.03, 0), places, 4096, pbwsf__sort_range, s);
+}
+
+static pbw_status pbwsf__gather_range(void *arg, size_t from, size_t to)
+{
+    pbwsf__search *s = (pbwsf__search *)arg;
+    for (; from < to; from++) {
+        s->items.at[from] = (pbw_index)s->keys.at[from];
+        memcpy(s->room.at + 3 * from, s->corners.at + 3 * (size_t)s->items.at[from], 3 * sizeof *s->room.at);
+    }
+    return PBW_OK;
+}
+
+/* Fills items, and puts the corners into their order. */
+static pbw_status pbwsf__sort_triangles(pbwsf__search *s)
+{
+    const size_t count = s->triangle_count;
+    pbw_status status = pbwsf__sort_items(s, 0);
+    PBW_RELEASE(s->memory, s->degree);
+    if (status == PBW_OK && (!PBW_FIT(s->memory, s->items, count + 1) || !PBW_FIT(s->memory, s->room, 3 * count + 1)
+                             || !PBW_ZEROS(s->memory, s->signs, count + 1))) {
+        status = PBW_ERROR_MEMORY;
+    }
+    status = status != PBW_OK ? status
+           : pbw_for(pbwsf__next_part(s, 0.02, 0), count, 16384, pbwsf__gather_range, s);
+    PBW_RELEASE(s->memory, s->corners);
+    s->corners = s->room;
+    memset(&s->room, 0, sizeof s->room);
+    return status;
+}
+
+/* The keys from .. end - 1 are sides of one edge, of places a < b.  Lists the edge if it is faulty; its ends have no
+   star then. */
+static int pbwsf__list_edge(pbwsf__search *s, pbw_index a, pbw_index b, size_t from, size_t end)
+{
+    pbwsf__found *f = s->found;
+    const pbw_index p = s->first.at[a], q = s->first.at[b];
+    size_t i, forward = 0;
+    for (i = from; i < end; i++) {
+        forward += s->corners.at[s->keys.at[i] & 0xffffffffu] == a;
+    }
+    if (end - from == 2 && forward == 1) {
+        return 1;
+    }
+    s->stars.at[a].signs = s->stars.at[b].signs = 0;
+    return PBW_PUSH(s->memory, f->edges, p < q ? p : q) && PBW_PUSH(s->memory, f->edges, p < q ? q : p)
+        && PBW_PUSH(s->memory, f->edge_triangles, (pbw_index)(end - from));
+}
+
+/* Lists triangles given twice among the sides from .. end - 1 of one edge that ends at b; each triangle counts at the
+   edge across from its last corner.  Like flat ones, they leave the search. */
+static pbw_status pbwsf__list_triangles(pbwsf__search *s, pbw_index b, size_t from, size_t end)
+{
+    uint64_t *keys = s->keys.at + from;
+    pbw_status status;
+    size_t i, count = 0, first = 0;
+    for (i = 0; i < end - from; i++) {
+        const pbw_index side = (pbw_index)keys[i];
+        pbw_index v[3];
+        pbwsf__side_places(s, side, v);
+        if (v[2] > b) {
+            keys[count++] = (uint64_t)v[2] << 32 | side / 3;
         }
     }
-    return good;
+    status = pbwsf__sort_keys(s, keys, count);
+    for (i = 1; i < count && status == PBW_OK; i++) {
+        const pbw_index t = (pbw_index)keys[i];
+        if (keys[i] >> 32 != keys[first] >> 32) {
+            first = i;
+        } else if (PBW_PUSH(s->memory, s->found->duplicates, s->items.at[t])
+                   && PBW_PUSH(s->memory, s->found->duplicates, s->items.at[(pbw_index)keys[first]])) {
+            s->signs.at[t] = PBWSF__AGAIN;
+        } else {
+            status = PBW_ERROR_MEMORY;
+        }
+    }
+    return status;
 }
 
 static pbw_status pbwsf__edge_range(void *arg, size_t from, size_t to)
 {
     pbwsf__search *s = (pbwsf__search *)arg;
-    const size_t count = 3 * s->triangle_count;
-    pbw_index v[3], w[3];
-    size_t end;
-    for (; from < to; from = end) {
-        int begins = from == 0;
-        pbwsf__side_places(s, s->items.at[from], v);
-        if (!begins) {
-            pbwsf__side_places(s, s->items.at[from - 1], w);
-            begins = v[0] != w[0] || v[1] != w[1];
-        }
-        for (end = from + 1; end < count; end++) {
-            pbwsf__side_places(s, s->items.at[end], w);
-            if (v[0] != w[0] || v[1] != w[1]) {
-                break;
+    pbw_status status = PBW_OK;
+    for (; from < to && status == PBW_OK; from++) {
+        const size_t all = s->ends.at[from];
+        size_t i = pbwsf__begin_of(s, from), end;
+        for (; i < all && status == PBW_OK; i = end) {
+            const pbw_index b = (pbw_index)(s->keys.at[i] >> 32);
+            for (end = i + 1; end < all && s->keys.at[end] >> 32 == b; end++) {
             }
-        }
-        if (begins && (!pbwsf__list_edge(s, v, from, end) || !pbwsf__list_triangles(s, v, from, end))) {
-            return PBW_ERROR_MEMORY;
+            if (b == from) {                         /* no edge: both ends are at one place */
+                continue;
+            }
+            status = !pbwsf__list_edge(s, (pbw_index)from, b, i, end) ? PBW_ERROR_MEMORY
+                   : end - i > 1 ? pbwsf__list_triangles(s, b, i, end) : PBW_OK;
         }
     }
-    return PBW_OK;
+    return status;
+}
+
+/* Lists faulty edges, and triangles given twice. */
+static pbw_status pbwsf__list_edges(pbwsf__search *s)
+{
+    pbw_status status = PBW_FIT(s->memory, s->stars, s->first.count + 1) ? pbwsf__sort_items(s, 1)
+                      : PBW_ERROR_MEMORY;
+    size_t i;
+    for (i = 0; i < s->first.count && status == PBW_OK; i++) {
+        memset(s->stars.at + i, 0, sizeof *s->stars.at);
+        s->stars.at[i].signs = PBWSF__ALL_SIGNS;
+    }
+    status = status != PBW_OK ? status : pbwsf__in_order(s, 0.05, s->first.count, pbwsf__edge_range);
+    PBW_RELEASE(s->memory, s->keys);
+    PBW_RELEASE(s->memory, s->ends);
+    return status;
 }
 
 /* ------------------------------------------------------------------------------------------------------
@@ -1249,58 +1352,81 @@ static int pbwsf__boxes_meet(const double *low, const double *high, const double
 
 /* Returns whether triangles below two nodes may meet elsewhere than in a corner that all of them have: then a side
    across from it meets a triangle. */
-static int pbwsf__nodes_meet(const pbwsf__node *a, const pbwsf__node *b)
+static int pbwsf__nodes_meet(const pbwsf__search *s, size_t i, size_t k)
 {
+    const pbwsf__node *a = s->nodes.at + i, *b = s->nodes.at + k, *f = s->far_nodes.at + i, *g = s->far_nodes.at + k;
     return pbwsf__boxes_meet(a->low, a->high, b->low, b->high)
-        && (a->apex != b->apex || a->apex == PBW_NONE || pbwsf__boxes_meet(a->far_low, a->far_high, b->low, b->high)
-            || pbwsf__boxes_meet(a->low, a->high, b->far_low, b->far_high));
+        && (a->apex != b->apex || a->apex == PBW_NONE || pbwsf__boxes_meet(f->low, f->high, b->low, b->high)
+            || pbwsf__boxes_meet(a->low, a->high, g->low, g->high));
 }
 
-/* Tests t against u, and keeps the pair if they meet. */
-static int pbwsf__test_pair(const pbwsf__search *s, pbwsf__triangle *t, pbwsf__triangle *u, pbwsf__keys *pairs)
+/* Returns whether two triangles have a corner in common that is a proof that they have no more in common than corners
+   and sides. */
+static int pbwsf__are_settled(const pbwsf__search *s, const pbw_index *c, const pbw_index *d)
 {
-    const uint64_t low = t->id < u->id ? t->id : u->id, high = t->id < u->id ? u->id : t->id;
-    return !pbwsf__boxes_meet(t->low, t->high, u->low, u->high) || !pbwsf__meet(s, t, u)
-        || PBW_PUSH(s->memory, *pairs, low << 32 | high);
+    int i;
+    for (i = 0; i < 3; i++) {
+        if (((c[i] == d[0]) | (c[i] == d[1]) | (c[i] == d[2])) && s->stars.at[c[i]].signs) {
+            return 1;
+        }
+    }
+    return 0;
+}
+
+/* Tests items i and k, and keeps the pair if they meet. */
+static int pbwsf__test_pair(const pbwsf__search *s, size_t i, size_t k, pbwsf__keys *pairs)
+{
+    const pbw_index *c = s->corners.at + 3 * i, *d = s->corners.at + 3 * k;
+    pbwsf__triangle t, u;
+    if (pbwsf__are_settled(s, c, d)) {
+        return 1;
+    }
+    pbwsf__load_triangle(s, c, s->items.at[i], &t);
+    pbwsf__load_triangle(s, d, s->items.at[k], &u);
+    return !pbwsf__boxes_meet(t.low, t.high, u.low, u.high) || !pbwsf__meet(s, &t, &u)
+        || PBW_PUSH(s->memory, *pairs, t.id < u.id ? (uint64_t)t.id << 32 | u.id : (uint64_t)u.id << 32 | t.id);
+}
+
+/* Tests the triangles of two leaves against each other, or of one. */
+static int pbwsf__test_leaves(const pbwsf__search *s, size_t a, size_t b, pbwsf__keys *pairs)
+{
+    const pbwsf__slab *p = s->slabs.at + a, *q = s->slabs.at + b;
+    int i, k, good = 1;
+    for (i = 0; i < PBWSF__LEAF; i++) {
+        int meets[PBWSF__LEAF];
+        for (k = 0; k < PBWSF__LEAF; k++) {
+            meets[k] = (p->low[0][i] <= q->high[0][k]) & (p->high[0][i] >= q->low[0][k])
+                     & (p->low[1][i] <= q->high[1][k]) & (p->high[1][i] >= q->low[1][k])
+                     & (p->low[2][i] <= q->high[2][k]) & (p->high[2][i] >= q->low[2][k]);
+        }
+        for (k = a == b ? i + 1 : 0; k < PBWSF__LEAF; k++) {
+            good = good && (!meets[k] || pbwsf__test_pair(s, PBWSF__LEAF * a + (size_t)i, PBWSF__LEAF * b + (size_t)k,
+                                                          pairs));
+        }
+    }
+    return good;
 }
 
 /* Tests the triangles of leaf `at` against each other and those of later leaves. */
-static int pbwsf__test_leaf(const pbwsf__search *s, size_t at, pbwsf__keys *pairs)
+static int pbwsf__test_leaf(const pbwsf__search *s, size_t leaf, pbwsf__keys *pairs)
 {
-    const pbwsf__node *node = s->nodes.at, *leaf = node + at;
-    size_t stack[PBWSF__DEPTH], i, k, from = PBWSF__LEAF * (at - s->first_leaf);
-    const size_t left = s->items.count - from, most = PBWSF__LEAF, count = left < most ? left : most;
-    pbwsf__triangle own[PBWSF__LEAF], other;
-    int depth = 0, good = 1;
-    for (i = 0; i < count; i++) {
-        pbwsf__load_triangle(s, s->corners.at + 3 * (from + i), s->items.at[from + i], own + i);
-        for (k = 0; k < i; k++) {
-            good = good && pbwsf__test_pair(s, own + k, own + i, pairs);
-        }
-    }
-    for (i = at; i > 0; i = (i - 1) / 2) {           /* the nodes on the right of the way up */
+    size_t stack[PBWSF__DEPTH], i;
+    int depth = 0, good = pbwsf__test_leaves(s, leaf, leaf, pairs);
+    for (i = s->first_leaf + leaf; i > 0; i = (i - 1) / 2) {         /* the nodes on the right of the way up */
         if (i % 2 == 1) {
             stack[depth++] = i + 1;
         }
     }
     while (depth > 0 && good) {
-        at = stack[--depth];
-        if (!pbwsf__nodes_meet(leaf, node + at)) {
+        const size_t at = stack[--depth];
+        if (at >= s->node_count || !pbwsf__nodes_meet(s, s->first_leaf + leaf, at)) {
             continue;
         }
         if (at < s->first_leaf) {
             stack[depth++] = 2 * at + 1;
             stack[depth++] = 2 * at + 2;
-            continue;
-        }
-        from = PBWSF__LEAF * (at - s->first_leaf);
-        for (k = from; k < from + PBWSF__LEAF && k < s->items.count; k++) {
-            pbwsf__load_triangle(s, s->corners.at + 3 * k, s->items.at[k], &other);
-            if (pbwsf__boxes_meet(leaf->low, leaf->high, other.low, other.high)) {
-                for (i = 0; i < count; i++) {
-                    good = good && pbwsf__test_pair(s, own + i, &other, pairs);
-                }
-            }
+        } else {
+            good = pbwsf__test_leaves(s, leaf, at - s->first_leaf, pairs);
         }
     }
     return good;
@@ -1397,28 +1523,100 @@ static pbw_status pbwsf__segment_range(void *arg, size_t from, size_t to)
    ------------------------------------------------------------------------------------------------------ */
 enum { PBWSF__LEAVES = 16 };               /* in one range of pbw_for */
 
-static pbw_status pbwsf__flat_range(void *arg, size_t from, size_t to)
+/* Returns signs of the triangle's area along the axes that are certain: bit k, positive along axis k; 3 + k,
+   negative.  The filter is that of pbwsf__side_of: here the error is at most (3 + 16 2^-53) 2^-53 of the sum. */
+static unsigned pbwsf__signs_of(const pbwsf__search *s, const double *const x[3])
+{
+    double u[3], v[3];
+    unsigned signs = 0;
+    int k;
+    pbwsf__minus(x[1], x[0], u);
+    pbwsf__minus(x[2], x[0], v);
+    for (k = 0; k < 3; k++) {
+        const int i = (k + 1) % 3, j = (k + 2) % 3;
+        const double a = u[i] * v[j], b = u[j] * v[i], error = 8e-16 * (fabs(a) + fabs(b)) + s->least;
+        signs |= (unsigned)(a - b > error) << k | (unsigned)(b - a > error) << (3 + k);
+    }
+    return signs;
+}
+
+static pbw_status pbwsf__signs_range(void *arg, size_t from, size_t to)
 {
     pbwsf__search *s = (pbwsf__search *)arg;
     for (; from < to; from++) {
-        const pbw_index *c = s->corners.at + 3 * from;
         const double *x[3];
-        int sign;
-        x[0] = s->places.at[c[0]], x[1] = s->places.at[c[1]], x[2] = s->places.at[c[2]];
-        s->flat.at[from] = pbwsf__axis_of(x, &sign) == 3;
+        unsigned signs;
+        int sign, k;
+        for (k = 0; k < 3; k++) {
+            x[k] = s->places.at[s->corners.at[3 * from + (size_t)k]];
+        }
+        signs = pbwsf__signs_of(s, x);
+        if (signs == 0 && pbwsf__axis_of(x, &sign) == 3) {
+            signs = PBWSF__FLAT;
+        }
+        s->signs.at[from] = (unsigned char)(s->signs.at[from] | signs);
     }
     return PBW_OK;
 }
 
-static pbw_status pbwsf__list_flat(void *arg, size_t from, size_t to)
+/* Stars.  Seen along an axis, let all triangles at a place have areas of one sign, and each edge there exactly two of
+   them, one each way round.  Then each direction around the place is covered equally often, namely as often as sides
+   across from the place go up through its level, and if that is once, two of the triangles have nothing in common but
+   the place, or a side.  So they need no test. */
+static pbw_status pbwsf__star_range(void *arg, size_t from, size_t to)
 {
     pbwsf__search *s = (pbwsf__search *)arg;
     for (; from < to; from++) {
-        if (s->flat.at[from] && !PBW_PUSH(s->memory, s->found->flat, (pbw_index)from)) {
-            return PBW_ERROR_MEMORY;
+        const pbw_index *c = s->corners.at + 3 * from;
+        int i, k;
+        for (i = 0; i < 3; i++) {
+            pbwsf__star *star = s->stars.at + c[i];
+            const double *x = s->places.at[c[i]], *a = s->places.at[c[(i + 1) % 3]];
+            const double *b = s->places.at[c[(i + 2) % 3]];
+            star->signs = (unsigned char)(star->signs & s->signs.at[from]);
+            for (k = 0; k < 3; k++) {
+                star->up[k] = (unsigned char)(star->up[k] + ((a[k] < x[k]) & (b[k] >= x[k]) & (star->up[k] < 2)));
+            }
         }
     }
     return PBW_OK;
+}
+
+/* Of each star keeps signs only if they are a proof; then its triangles need no test against each other. */
+static pbw_status pbwsf__settle_range(void *arg, size_t from, size_t to)
+{
+    pbwsf__search *s = (pbwsf__search *)arg;
+    for (; from < to; from++) {
+        pbwsf__star *star = s->stars.at + from;
+        const int both = star->signs | star->signs >> 3;
+        star->signs = (unsigned char)(((both & 1) && star->up[1] == 1) || ((both & 2) && star->up[2] == 1)
+                                      || ((both & 4) && star->up[0] == 1));
+    }
+    return PBW_OK;
+}
+
+/* Lists flat triangles, and leaves them and those given again out of items and corners. */
+static pbw_status pbwsf__leave_out(pbwsf__search *s)
+{
+    pbw_status status;
+    size_t i, count = 0;
+    for (i = 0; i < s->triangle_count; i++) {
+        if ((s->signs.at[i] & PBWSF__FLAT) != 0 && !PBW_PUSH(s->memory, s->keys, s->items.at[i])) {
+            return PBW_ERROR_MEMORY;
+        }
+        if (s->signs.at[i] <= PBWSF__ALL_SIGNS) {
+            memmove(s->corners.at + 3 * count, s->corners.at + 3 * i, 3 * sizeof *s->corners.at);
+            s->items.at[count++] = s->items.at[i];
+        }
+    }
+    s->items.count = count;
+    PBW_RELEASE(s->memory, s->signs);
+    status = pbwsf__sort_keys(s, s->keys.at, s->keys.count);
+    for (i = 0; i < s->keys.count && status == PBW_OK; i++) {
+        status = PBW_PUSH(s->memory, s->found->flat, (pbw_index)s->keys.at[i]) ? PBW_OK : PBW_ERROR_MEMORY;
+    }
+    PBW_RELEASE(s->memory, s->keys);
+    return status;
 }
 
 /* Of a triangle the corner that all triangles from .. to - 1 have, too; PBW_NONE: none, or there is one triangle. */
@@ -1452,84 +1650,79 @@ static void pbwsf__empty_node(pbwsf__node *node)
 {
     int k;
     for (k = 0; k < 3; k++) {
-        node->low[k] = node->far_low[k] = HUGE_VAL;
-        node->high[k] = node->far_high[k] = -HUGE_VAL;
+        node->low[k] = HUGE_VAL;
+        node->high[k] = -HUGE_VAL;
     }
     node->apex = PBW_NONE;
+}
+
+/* Rounding is monotone, so that boxes that meet meet when they are rounded, too. */
+static float pbwsf__float_of(double x)
+{
+    return x > FLT_MAX ? FLT_MAX : x < -FLT_MAX ? -FLT_MAX : (float)x;
 }
 
 static pbw_status pbwsf__leaf_range(void *arg, size_t from, size_t to)
 {
     pbwsf__search *s = (pbwsf__search *)arg;
     for (; from < to; from++) {
-        pbwsf__node *leaf = s->nodes.at + s->first_leaf + from;
+        pbwsf__node *leaf = s->nodes.at + s->first_leaf + from, *far_leaf = s->far_nodes.at + s->first_leaf + from;
         const size_t first = PBWSF__LEAF * from, next = first + PBWSF__LEAF;
         const size_t end = next < s->items.count ? next : s->items.count;
-        size_t i;
+        size_t i, k;
         pbwsf__empty_node(leaf);
+        pbwsf__empty_node(far_leaf);
         leaf->apex = pbwsf__common_corner(s->corners.at, first, end);
-        for (i = 3 * first; i < 3 * end; i++) {
-            const double *x = s->places.at[s->corners.at[i]];
-            pbwsf__extend(leaf->low, leaf->high, x, x);
-            if (s->corners.at[i] != leaf->apex) {
-                pbwsf__extend(leaf->far_low, leaf->far_high, x, x);
+        for (i = first; i < next; i++) {
+            pbwsf__slab *slab = s->slabs.at + from;
+            pbwsf__node own;
+            pbwsf__empty_node(&own);
+            for (k = 3 * i; k < 3 * i + 3 && i < end; k++) {
+                const double *x = s->places.at[s->corners.at[k]];
+                pbwsf__extend(own.low, own.high, x, x);
+                if (s->corners.at[k] != leaf->apex) {
+                    pbwsf__extend(far_leaf->low, far_leaf->high, x, x);
+                }
+            }
+            pbwsf__extend(leaf->low, leaf->high, own.low, own.high);
+            for (k = 0; k < 3; k++) {
+                slab->low[k][i - first] = pbwsf__float_of(own.low[k]);
+                slab->high[k][i - first] = pbwsf__float_of(own.high[k]);
             }
         }
     }
     return PBW_OK;
 }
 
-static void pbwsf__fill_node(pbwsf__node *node, const pbwsf__node *child)
+/* A node has no children, one, or two. */
+static void pbwsf__fill_node(const pbwsf__search *s, size_t i, pbwsf__node *nodes)
 {
-    int i;
-    pbwsf__empty_node(node);
-    for (i = 0; i < 2; i++) {
-        pbwsf__extend(node->low, node->high, child[i].low, child[i].high);
-        pbwsf__extend(node->far_low, node->far_high, child[i].far_low, child[i].far_high);
+    size_t child;
+    pbwsf__empty_node(nodes + i);
+    for (child = 2 * i + 1; child <= 2 * i + 2 && child < s->node_count; child++) {
+        pbwsf__extend(nodes[i].low, nodes[i].high, nodes[child].low, nodes[child].high);
+        nodes[i].apex = child % 2 == 1 || nodes[i].apex == nodes[child].apex ? nodes[child].apex : PBW_NONE;
     }
-    node->apex = child[0].apex == child[1].apex ? child[0].apex : PBW_NONE;
 }
 
-/* The corners of items, in their order. */
-static pbw_status pbwsf__gather_range(void *arg, size_t from, size_t to)
-{
-    pbwsf__search *s = (pbwsf__search *)arg;
-    for (; from < to; from++) {
-        memcpy(s->room.at + 3 * from, s->corners.at + 3 * (size_t)s->items.at[from], 3 * sizeof *s->room.at);
-    }
-    return PBW_OK;
-}
-
-/* Makes the tree: items become the triangles that may meet, corners those of theirs. */
+/* Makes the tree of the triangles that may meet. */
 static pbw_status pbwsf__plant(pbwsf__search *s)
 {
-    pbw_status status;
-    size_t i, leaves = 1;
-    for (i = s->items.count = 0; i < s->triangle_count; i++) {
-        if (!s->flat.at[i]) {
-            s->items.at[s->items.count++] = (pbw_index)i;
-        }
+    const size_t leaves = (s->items.count + PBWSF__LEAF - 1) / PBWSF__LEAF;
+    pbw_status status = PBW_ERROR_MEMORY;
+    size_t i, most = 1;
+    while (most < leaves) {
+        most *= 2;
     }
-    PBW_RELEASE(s->memory, s->flat);
-    status = pbwsf__sort_items(s, 3, 4);
-    if (status == PBW_OK && !PBW_FIT(s->memory, s->room, 3 * s->items.count + 1)) {
-        status = PBW_ERROR_MEMORY;
+    s->first_leaf = most - 1;
+    s->node_count = s->first_leaf + leaves;
+    if (PBW_FIT(s->memory, s->nodes, s->node_count + 1) && PBW_FIT(s->memory, s->far_nodes, s->node_count + 1)
+        && PBW_FIT(s->memory, s->slabs, leaves + 1)) {
+        status = pbw_for(pbwsf__next_part(s, 0.05, 0), leaves, 4096, pbwsf__leaf_range, s);
     }
-    status = status != PBW_OK ? status
-           : pbw_for(pbwsf__next_part(s, 0.02, 0), s->items.count, 16384, pbwsf__gather_range, s);
-    PBW_RELEASE(s->memory, s->corners);
-    s->corners = s->room;
-    memset(&s->room, 0, sizeof s->room);
-    while (leaves * PBWSF__LEAF < s->items.count) {
-        leaves *= 2;
-    }
-    s->first_leaf = leaves - 1;
-    if (status == PBW_OK && !PBW_FIT(s->memory, s->nodes, 2 * leaves - 1)) {
-        status = PBW_ERROR_MEMORY;
-    }
-    status = status != PBW_OK ? status : pbw_for(pbwsf__next_part(s, 0.05, 0), leaves, 4096, pbwsf__leaf_range, s);
     for (i = s->first_leaf; i-- > 0 && status == PBW_OK;) {
-        pbwsf__fill_node(s->nodes.at + i, s->nodes.at + 2 * i + 1);
+        pbwsf__fill_node(s, i, s->nodes.at);
+        pbwsf__fill_node(s, i, s->far_nodes.at);
     }
     return status;
 }
@@ -1539,7 +1732,7 @@ static pbw_status pbwsf__pair_range(void *arg, size_t from, size_t to)
     pbwsf__search *s = (pbwsf__search *)arg;
     pbwsf__keys *pairs = s->pairs.at + from / PBWSF__LEAVES;
     for (; from < to; from++) {
-        if (!pbwsf__test_leaf(s, s->first_leaf + from, pairs)) {
+        if (!pbwsf__test_leaf(s, from, pairs)) {
             return PBW_ERROR_MEMORY;
         }
     }
@@ -1629,13 +1822,13 @@ static pbw_status pbwsf__find_all(pbwsf__search *s)
     for (i = 0; i < 3 * s->point_count; i++) {
         s->least = fabs(s->points[i]) < 1e90 ? s->least : HUGE_VAL;
     }
-    status = status != PBW_OK ? status : pbwsf__sort_items(s, 0, 2);
-    if (status == PBW_OK && !PBW_FIT(s->memory, s->flat, count + 1)) {
-        status = PBW_ERROR_MEMORY;
-    }
-    status = status != PBW_OK ? status : pbw_for(pbwsf__next_part(s, 0.02, 0), count, 4096, pbwsf__flat_range, s);
-    status = status != PBW_OK ? status : pbwsf__in_order(s, 0.01, count, pbwsf__list_flat);
-    status = status != PBW_OK ? status : pbwsf__in_order(s, 0.05, 3 * count, pbwsf__edge_range);
+    status = status != PBW_OK ? status : pbwsf__sort_triangles(s);
+    status = status != PBW_OK ? status : pbwsf__list_edges(s);
+    status = status != PBW_OK ? status : pbw_for(pbwsf__next_part(s, 0.02, 0), count, 4096, pbwsf__signs_range, s);
+    status = status != PBW_OK ? status : pbwsf__in_order(s, 0.04, count, pbwsf__star_range);
+    status = status != PBW_OK ? status
+           : pbw_for(pbwsf__next_part(s, 0.01, 0), s->first.count, 16384, pbwsf__settle_range, s);
+    status = status != PBW_OK ? status : pbwsf__leave_out(s);
     status = status != PBW_OK ? status : pbwsf__plant(s);
     status = status != PBW_OK ? status : pbwsf__sort_pairs(s, &s->found->edges, &s->found->edge_triangles);
     status = status != PBW_OK ? status : pbwsf__sort_pairs(s, &s->found->duplicates, NULL);
@@ -1656,10 +1849,14 @@ static void pbwsf__free_search(pbwsf__search *s)
     PBW_RELEASE(s->memory, s->corners);
     PBW_RELEASE(s->memory, s->items);
     PBW_RELEASE(s->memory, s->room);
-    PBW_RELEASE(s->memory, s->start);
-    PBW_RELEASE(s->memory, s->flat);
     PBW_RELEASE(s->memory, s->degree);
+    PBW_RELEASE(s->memory, s->keys);
+    PBW_RELEASE(s->memory, s->ends);
+    PBW_RELEASE(s->memory, s->signs);
+    PBW_RELEASE(s->memory, s->stars);
     PBW_RELEASE(s->memory, s->nodes);
+    PBW_RELEASE(s->memory, s->far_nodes);
+    PBW_RELEASE(s->memory, s->slabs);
 }
 
 static void pbwsf__show(const pbwsf__found *f, pbw_surface_faults *faults)

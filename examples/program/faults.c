@@ -273,10 +273,11 @@ static pbwio_status write_faults(job *j, const char *path, const char *ending, v
 
 int check_faces(job *j)
 {
+    const double start = now();
     pbw_surface_faults f;
+    double seconds;
     sheet s;
-    double start = now();
-    int failed, closed = describe_surface(j, &j->cloud, 1);
+    int failed, closed;
     begin(j, "faults", "");
     j->stage = "faults";
     failed = explain(j, pbw_surface_crossings(j->cloud.points, j->cloud.count, j->cloud.triangles,
@@ -285,7 +286,9 @@ int check_faces(job *j)
     if (failed) {
         return failed;
     }
-    report_step(j, "faults", now() - start, "%zu pair%s of faces that meet, %zu face%s without area, %zu given again",
+    seconds = now() - start;
+    closed = describe_faults(j, &j->cloud, &f, 1, now());
+    report_step(j, "faults", seconds, "%zu pair%s of faces that meet, %zu face%s without area, %zu given again",
                 COUNT(f.crossing_count), COUNT(f.flat_count), f.duplicate_count);
     list_faults(j, &f);
     s.j = j;

@@ -346,8 +346,11 @@ int wrap_solid(job *j);                              /* pbw solid --wrap */
 
 /* ---- surface.c ---- */
 
-/* Reports the faults of a surface; details: where they are.  Returns whether it has an inside. */
+/* Reports the parts of a surface, and the faults of its edges; details: where they are.  Returns whether it has an
+   inside. */
 int describe_surface(job *j, const pbwio_cloud *cloud, int details);
+/* The same where its faults are known; start: when the work began. */
+int describe_faults(job *j, const pbwio_cloud *cloud, const pbw_surface_faults *faults, int details, double start);
 
 /* ---- faults.c ---- */
 
