@@ -21,7 +21,7 @@ EXAMPLES_CXX = $(if $(shell command -v $(firstword $(CXX))),$(patsubst examples/
 EXPECTED = $(patsubst examples/expected/%.txt,%,$(wildcard examples/expected/*.txt))
 FUZZERS = $(patsubst tests/%.c,%,$(wildcard tests/fuzz_*.c))
 HEADERS = pbw.h $(wildcard tests/*.h examples/*.h examples/lib/*.h examples/program/*.h)
-SCRIPTS = $(filter packaging interface hashes examples asm oracle cells cmake csharp cuda gappa install page plane \
+SCRIPTS = $(filter packaging interface hashes examples asm oracle cells cmake csharp cuda fill gappa install page plane \
     python program programs queries seam tiles view web, $(patsubst tests/%.sh,%,$(wildcard tests/*.sh)))
 # `make test` leaves these to `make test-all`, and tells the scripts by QUICK that one compiler is enough; it leaves out
 # tests and scripts of WITHOUT, too.
@@ -177,7 +177,7 @@ $B/examples.log: $(patsubst %,$B/%,$(filter $(EXAMPLES) $(EXAMPLES_CXX),$(EXPECT
 $B/python.log: $B/libpbw_python.so $B/pbw
 $B/csharp.log: $B/libpbw.so
 $B/install.log: $B/pbw $B/libpbw.a $B/libpbw.so
-$B/plane.log $B/program.log $B/programs.log $B/queries.log $B/tiles.log: $B/pbw
+$B/fill.log $B/plane.log $B/program.log $B/programs.log $B/queries.log $B/tiles.log: $B/pbw
 $B/tiles.log: $(MPI)
 $B/hashes.log $B/oracle.log $B/cells.log $B/web.log $B/packaging.log: $B/libpbw.a
 $B/hashes.log $B/tiles.log: $B/companions.a

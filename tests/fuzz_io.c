@@ -157,7 +157,7 @@ int LLVMFuzzerTestOneInput(const unsigned char *data, size_t size)
     static const char *const columns[] = { NULL, NULL, "2,1", "x,y", "1,2,3" };
     static const char *const weights[] = { NULL, NULL, NULL, "4", "w" };
     int format;
-    for (format = PBWIO_AUTO; format <= PBWIO_VTK; format++) {
+    for (format = PBWIO_AUTO; format <= PBWIO_POLY; format++) {
         pbwio_options options;
         pbw_options build;
         pbwio_cloud cloud;
@@ -175,7 +175,7 @@ int LLVMFuzzerTestOneInput(const unsigned char *data, size_t size)
         options.flags = size % 11 == 0 ? PBWIO_DECIMAL_COMMA : 0;
         in_use = most_in_use = 0;
         status = pbwio_read_memory("fuzz", data, size, &options, &cloud, &error);
-        fault = judge(&cloud, status, &error, io_bound(data, size));
+        fault = judge(&cloud, status, &error, io_bound(data, size) + (format == PBWIO_POLY ? 24 * size : 0));
         if (fault == NULL && format == PBWIO_AUTO && cloud.dim == 3 && cloud.triangle_count <= 100) {
             fault = sample(&cloud, size);
         }
@@ -213,7 +213,7 @@ static size_t mutate(unsigned char *bytes, size_t size)
         "C ", "<DataArray ", "format=\"appended\" ", "offset=\"", "<AppendedData encoding=\"raw\">_",
         "POLYGONS ", "CELLS ", "OFFSETS vtktypeint64\n", "SCALARS region int\n", "CELL_DATA ", "facet ", "end ",
         "\"points\":", "easting,northing,", "*ELSET, ELSET=a\n", "*SURFACE, NAME=b\n", ", GENERATE", "*NODE\n",
-        "*ELEMENT, TYPE=S4\n", "NELEM= ", "MARKER_TAG= ", "NPOIN= "
+        "*ELEMENT, TYPE=S4\n", "4 1 2 3 4\n", "2 1\n", "NELEM= ", "MARKER_TAG= ", "NPOIN= "
     };
     size_t kind = below(6), at = below(size + 1), length = 1 + below(1 + below(32)), grow;
     const char *word = words[below(sizeof words / sizeof words[0])];

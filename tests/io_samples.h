@@ -34,6 +34,9 @@ static const io_sample io_text_samples[] = {
     IO_TEXT("zero.node", "4 3 1 1\n# comment\n0 0 0 0 0.5 1\n1 1 0 0 0.5 1\n2 0 1 0 0.25 0\n3 0 0 1 0 0\n",
             3, 4, 0, 3),
     IO_TEXT("one.node", "3 2 0 0\n1 0 0\n2 1 0\n3 0 1\n", 2, 3, 0, 2),
+    IO_TEXT("box.poly", "5 3 0 1\n1 0 0 0 1\n2 2 0 0\n3 2 2 0\n4 0 2 0\n5 .5 .5 0\n2 1\n2 0 3\n4 1 2 3 4\n2 1 5\n"
+            "1\n3 1 2 4\n1\n1 .5 .5 .5\n1\n1 1 1 1 7 .1\n", 3, 5, 5, 9),
+    IO_TEXT("box.smesh", "4 3 0 0\n0 0 0 0\n1 1 0 0\n2 1 1 0\n3 0 1 0\n1 1\n4 0 1 2 3 5\n0\n0\n", 3, 4, 2, 4),
     IO_TEXT("text.stl", "solid name\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n"
             "endloop\nendfacet\nendsolid name\n", 3, 3, 1, 2),
     IO_TEXT("text.ply", "ply\nformat ascii 1.0\ncomment by hand\nelement vertex 4\nproperty float nx\n"

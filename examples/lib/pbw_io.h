@@ -40,9 +40,11 @@
      >>points       points from rows of fields
      >>elements     elements and their groups
      >>polygons     triangles inside the outline of a polygon
+     >>facets       triangles of a facet with several outlines and holes
      >>rows         tables, .node, .obj, .off
      >>binary       .stl, .ply
      >>medit        .mesh, .ele, .face, .edge
+     >>poly         .poly, .smesh
      >>msh          .msh
      >>vtu          .vtu
      >>vtk          .vtk
@@ -72,6 +74,9 @@
              and .edge of that name, if there
      .face .edge  with the points of the .node file   as .node
              of that name
+     .poly .smesh  TetGen: facets, holes, regions;    as .node
+             .poly of Triangle: segments; points of
+             their own, or of the .node file
      .msh    Gmsh 2.2 and 4.1, ascii and binary       x y z
      .mesh   Medit, ascii                             x y (z)
      .inp    Abaqus and CalculiX: nodes, elements,    -
@@ -124,8 +129,9 @@
      exact       numbers are read correctly rounded and written so that they read back the same, in every
                  locale                                                                     tests/test_io.c
      says where  a bad file is refused with "name:line: what" or "name: byte N: what"       tests/test_io.c
-     bounded     a file of n bytes makes the readers hold at most 8 n bytes + 64 KiB beside its own text, n counted
-                 unpacked; unpacking needs at most 3 n + 64 KiB; nothing recurses; the stack needed is below 64 KiB
+     bounded     a file of n bytes makes the readers hold at most 8 n bytes + 64 KiB (.poly .smesh: 32 n) beside its
+                 own text, n counted unpacked; unpacking needs at most 3 n + 64 KiB; nothing recurses; the stack
+                 needed is below 64 KiB
                                                                                             tests/test_io.c
      limited     memory_limit holds in every call, the text of a file included              tests/test_read.c
      safe        no input, however broken, crashes or hangs a reader                        tests/fuzz_io.c
@@ -140,7 +146,7 @@
      Groups that are read.  0 is no group.  An element in several groups is in the first.
        .msh         physical groups; of a file without such, its entities
        .mesh        references
-       .ele         the first attribute;  .face .edge  the marker
+       .ele         the first attribute;  .face .edge .poly .smesh  the marker, of regions the attribute
        .vtu .vtk    the first of the arrays of integers region, gmsh:physical, medit:ref, su2:tag, material,
                     MaterialIDs, MaterialID, CellEntityIds, CellEntityID, physical, attribute, subdomain, cell_tags,
                     facet_tags; of triangles also patch, of edges also edge, of points marker.  Names are fields of
@@ -219,7 +225,7 @@ typedef enum pbwio_format {
     PBWIO_VTU, PBWIO_MSH, PBWIO_MESH, PBWIO_ELE,
     PBWIO_NEIGH,                                                                      /* written only */
     PBWIO_FACE, PBWIO_MSH2, PBWIO_INP, PBWIO_SU2,                                     /* FACE: .edge, too */
-    PBWIO_JSON, PBWIO_VTK                                                             /* read only */
+    PBWIO_JSON, PBWIO_VTK, PBWIO_POLY                                                 /* read only; POLY: .smesh */
 } pbwio_format;
 
 /* A set of elements that a file names or numbers: a region, a patch of the surface, a curve, marked points. */
@@ -234,6 +240,12 @@ typedef struct pbwio_column {          /* a number at each point: an attribute, 
     char *name;                        /* NULL: the file has none */
     double *values;                    /* one a point */
 } pbwio_column;
+
+typedef struct pbwio_seed {            /* a place in what facets enclose, in the plane segments */
+    double place[3];
+    double bound;                      /* of volumes there, in the plane of areas; 0 = none */
+    pbw_index group;                   /* index in groups; PBW_NONE = a hole */
+} pbwio_seed;
 
 typedef struct pbwio_cloud {           /* start from {0}; pbwio_free when done */
     int dim;                           /* 2 or 3 coordinates a point */
@@ -252,13 +264,15 @@ typedef struct pbwio_cloud {           /* start from {0}; pbwio_free when done *
                                           index in groups, PBW_NONE = in none */
     size_t column_count;
     pbwio_column *columns;
+    size_t seed_count;
+    pbwio_seed *seeds;                 /* of .poly .smesh */
     double *heights;                   /* z of each point, which options.dim = 2 leaves out of points; NULL: the file
                                           has none, or all are 0 */
     int base;                          /* number of the first point in the file: 0 or 1 */
     char dropped[256];                 /* what the file has and the cloud has not, in words; "" = nothing */
     char taken[200];                   /* which columns of a table are the coordinates, in words; "" = no question */
     pbw_memory memory;                 /* private: of the arrays, and their bytes, those of points first */
-    size_t capacity[13];
+    size_t capacity[14];
 } pbwio_cloud;
 
 typedef struct pbwio_options {         /* NULL or all zero = best defaults */
@@ -940,7 +954,7 @@ static pbwio_status pbwio__gunzip(const char *name, const pbwio__bytes *packed, 
 
 /* The arrays of a cloud by their capacities: elements and their groups by dimension. */
 enum { PBWIO__OF_ELEMENTS, PBWIO__OF_MEMBERS = 4, PBWIO__OF_WEIGHTS = 8, PBWIO__OF_HEIGHTS, PBWIO__OF_GROUPS,
-       PBWIO__OF_COLUMNS, PBWIO__OF_VALUES };        /* values: of each column */
+       PBWIO__OF_COLUMNS, PBWIO__OF_SEEDS, PBWIO__OF_VALUES };      /* values: of each column */
 
 typedef struct pbwio__field { const char *begin, *end; } pbwio__field;
 
@@ -1183,6 +1197,14 @@ static int pbwio__next(pbwio__reader *r, pbwio__field *field)
     field->begin += quote != NULL && quote == s - 1;
     field->end = s - (quote != NULL && quote == s - 1);
     return 1;
+}
+
+/* Whether the line has more fields. */
+static int pbwio__has_more(const pbwio__reader *r)
+{
+    pbwio__reader ahead = *r;
+    pbwio__field field;
+    return pbwio__next(&ahead, &field);
 }
 
 static int pbwio__is_gz(const char *path)
@@ -2405,6 +2427,584 @@ static void pbwio__cut_polygons(pbwio__reader *r)
 }
 
 /* ------------------------------------------------------------------------------------------------------
+   >>facets       Triangles of a facet with several outlines, holes, lines and points.
+   In: points of the cloud, in outlines of any number of corners; points in holes.  Out: triangles of the cloud, and
+   segments: edges of outlines with triangles, or none, on both sides.
+   Holds: links of triangles agree; signs are exact; n corners and edges that cross m triangles take O(n log n + m).
+
+   1. The facet is projected along the axis in which a large triangle of its corners is largest.  A line sweeps over
+      the points: each is joined to the edges of the hull that it sees.
+   2. Edges of outlines are inserted one by one.  The triangles that an edge crosses leave a hole on each of its
+      sides, of which all is seen from the edge: Graham's scan fills such a hole (Toussaint and Avis 1982, "On a
+      convex hull algorithm for polygons and its application to triangulation problems").
+   3. What the outside or a hole reaches without crossing an edge is taken away.  Points in holes are vertices until
+      then.
+   ------------------------------------------------------------------------------------------------------ */
+typedef struct pbwio__flat { pbw_index v[3], link[3]; unsigned char wall[3], out; } pbwio__flat;
+typedef struct pbwio__chained {              /* a vertex, and what is beyond the edge from the one before */
+    pbw_index vertex, code;
+    int wall, is_hinge;                      /* code: then the number of the hinge */
+} pbwio__chained;
+typedef struct pbwio__facet {
+    pbwio__reader *r;
+    PBW_ARRAY(pbw_index) corners, ends;      /* of the outlines: points; where each outline ends */
+    PBW_ARRAY(double) holes;                 /* 3 coordinates each */
+    PBW_ARRAY(pbw_index) local;              /* of each point of the cloud: its number here, or PBW_NONE */
+    PBW_ARRAY(pbw_index) id;                 /* the other way round; PBW_NONE: in a hole */
+    PBW_ARRAY(double) xy;
+    PBW_ARRAY(pbw_index) order, next, before, edge, degree;      /* of the hull: next, before, the code of the edge
+                                                                    to the next; edge becomes a code at each point */
+    PBW_ARRAY(pbwio__flat) triangles;        /* counter-clockwise; code 4 t + k: the edge across from corner k */
+    PBW_ARRAY(pbwio__chained) chains[2], stack; /* right and left of an edge that is inserted */
+    PBW_ARRAY(pbw_index) unused, hinges;     /* hinges: the code of the side that is made first */
+    size_t bent;                             /* facets that are not flat, and how far from it they are */
+    double bend;
+} pbwio__facet;
+
+#define PBWIO__ROOM(r, a, n) ((n) <= (a).capacity || pbwio__fit(r, &(a).at, &(a).capacity, n, sizeof *(a).at))
+
+static void pbwio__release_facet(pbwio__facet *f)
+{
+    PBWIO__RELEASE(f->r, f->corners);
+    PBWIO__RELEASE(f->r, f->ends);
+    PBWIO__RELEASE(f->r, f->holes);
+    PBWIO__RELEASE(f->r, f->local);
+    PBWIO__RELEASE(f->r, f->id);
+    PBWIO__RELEASE(f->r, f->xy);
+    PBWIO__RELEASE(f->r, f->order);
+    PBWIO__RELEASE(f->r, f->next);
+    PBWIO__RELEASE(f->r, f->before);
+    PBWIO__RELEASE(f->r, f->edge);
+    PBWIO__RELEASE(f->r, f->degree);
+    PBWIO__RELEASE(f->r, f->triangles);
+    PBWIO__RELEASE(f->r, f->chains[0]);
+    PBWIO__RELEASE(f->r, f->chains[1]);
+    PBWIO__RELEASE(f->r, f->stack);
+    PBWIO__RELEASE(f->r, f->unused);
+    PBWIO__RELEASE(f->r, f->hinges);
+}
+
+static int pbwio__turn_of(const pbwio__facet *f, pbw_index a, pbw_index b, pbw_index c)
+{
+    const double *xy = f->xy.at;
+    return pbw_orient2(xy + 2 * (size_t)a, xy + 2 * (size_t)b, xy + 2 * (size_t)c);
+}
+
+/* ---- the projection ---- */
+
+/* Finds two axes to project on, by corners far from each other.  Counts the facet if it is not flat. */
+static void pbwio__project(pbwio__facet *f, int axis[2])
+{
+    const double *points = f->r->cloud->points, *p[3];
+    double largest = 0, scale = 0, normal[3] = { 0, 0, 1 };
+    size_t i;
+    int k, pass;
+    unsigned bent = 0;
+    p[0] = p[1] = p[2] = points + 3 * (size_t)f->corners.at[0];
+    for (i = 0; i < 3 * f->corners.count; i++) {
+        scale = fmax(scale, fabs(points[3 * (size_t)f->corners.at[i / 3] + i % 3]));
+    }
+    scale = scale > 0 ? fmin(0.25 / scale, DBL_MAX) : 1;             /* keeps products in range */
+    for (pass = 0; pass < 2; pass++, largest = 0) {
+        for (i = 0; i < f->corners.count; i++) {
+            const double *q = points + 3 * (size_t)f->corners.at[i];
+            double a[3], b[3], n[3], size = 0;
+            for (k = 0; k < 3; k++) {
+                a[k] = p[1][k] * scale - p[0][k] * scale;
+                b[k] = q[k] * scale - p[0][k] * scale;
+            }
+            for (k = 0; k < 3; k++) {
+                n[k] = pass == 0 ? b[k] : a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
+                size = fmax(size, fabs(n[k]));
+            }
+            if (size > largest) {
+                largest = size;
+                p[1 + pass] = q;
+                memcpy(normal, n, sizeof n);
+            }
+        }
+        if (pass == 1 && !(largest > 0)) {                           /* on one line: normal is its direction */
+            k = fabs(normal[0]) < fabs(normal[1]) ? 0 : 1;
+            k = fabs(normal[2]) < fabs(normal[k]) ? 2 : k;
+            normal[0] = normal[1] = normal[2] = 0;
+            normal[k] = 1;
+        }
+    }
+    k = fabs(normal[0]) > fabs(normal[1]) ? 0 : 1;
+    k = fabs(normal[2]) > fabs(normal[k]) ? 2 : k;
+    axis[0] = (k + 1) % 3;
+    axis[1] = (k + 2) % 3;
+    for (i = 0; i < f->corners.count; i++) {
+        const double *q = points + 3 * (size_t)f->corners.at[i];
+        if (pbw_orient3(p[0], p[1], p[2], q) != 0) {
+            double along = 0;
+            for (k = 0; k < 3; k++) {
+                along += normal[k] * (q[k] * scale - p[0][k] * scale);
+            }
+            f->bend = fmax(f->bend, fabs(along) / scale / sqrt(normal[0] * normal[0] + normal[1] * normal[1]
+                                                               + normal[2] * normal[2]));
+            bent = 1;
+        }
+    }
+    f->bent += bent;
+}
+
+/* Gives the corners and the points in holes numbers and places in the plane; `order` has those that differ, from left
+   to right.  Returns 0 where points of different places fall together. */
+static int pbwio__place_corners(pbwio__facet *f, const int axis[2])
+{
+    pbwio__reader *r = f->r;
+    size_t i, k, n, kept = 0;
+    f->id.count = 0;
+    for (i = 0; i < f->corners.count; i++) {
+        pbw_index *local = f->local.at + f->corners.at[i];
+        if (*local == PBW_NONE) {
+            *local = (pbw_index)f->id.count;
+            if (!PBWIO__PUSH(r, f->id, f->corners.at[i])) {
+                return 1;
+            }
+        }
+    }
+    n = f->id.count + f->holes.count / 3;
+    if (!PBWIO__ROOM(r, f->id, n) || !PBWIO__ROOM(r, f->xy, 2 * n) || !PBWIO__ROOM(r, f->order, n)
+        || !PBWIO__ROOM(r, f->next, n) || !PBWIO__ROOM(r, f->before, n) || !PBWIO__ROOM(r, f->edge, n)
+        || !PBWIO__ROOM(r, f->degree, n) || !PBWIO__ROOM(r, f->triangles, 2 * n)) {
+        return 1;
+    }
+    for (i = 0; i < n; i++) {
+        const double *p = i < f->id.count ? r->cloud->points + 3 * (size_t)f->id.at[i]
+                        : f->holes.at + 3 * (i - f->id.count);
+        for (k = 0; k < 2; k++) {
+            f->xy.at[2 * i + k] = p[axis[k]];
+        }
+        f->degree.at[i] = 0;
+    }
+    for (; f->id.count < n; f->id.count++) {
+        f->id.at[f->id.count] = PBW_NONE;
+    }
+    pbwio__sort_corners(f->xy.at, f->order.at, f->next.at, n);
+    for (i = 0; i < n; i++) {
+        const pbw_index p = f->order.at[i], q = f->order.at[kept > 0 ? kept - 1 : 0];
+        if (kept == 0 || pbwio__left_of(f->xy.at, q, p)) {
+            f->order.at[kept++] = p;
+        } else if (f->id.at[p] == PBW_NONE || f->id.at[q] == PBW_NONE
+                   || memcmp(r->cloud->points + 3 * (size_t)f->id.at[p], r->cloud->points + 3 * (size_t)f->id.at[q],
+                             3 * sizeof(double)) != 0) {
+            return 0;
+        } else {
+            f->local.at[f->id.at[p]] = q;
+        }
+    }
+    f->order.count = kept;
+    return 1;
+}
+
+/* ---- a triangulation of the points ---- */
+
+static void pbwio__set_link(pbwio__facet *f, pbw_index code, pbw_index other, int wall)
+{
+    f->triangles.at[code / 4].link[code % 4] = other;
+    f->triangles.at[code / 4].wall[code % 4] = (unsigned char)wall;
+    if (other != PBW_NONE) {
+        f->triangles.at[other / 4].link[other % 4] = code;
+        f->triangles.at[other / 4].wall[other % 4] = (unsigned char)wall;
+    }
+}
+
+/* Makes triangle t.  Returns 4 t. */
+static pbw_index pbwio__set_triangle(pbwio__facet *f, pbw_index t, pbw_index a, pbw_index b, pbw_index c)
+{
+    pbwio__flat *triangle = f->triangles.at + t;
+    memset(triangle, 0, sizeof *triangle);
+    memset(triangle->link, 0xff, sizeof triangle->link);             /* PBW_NONE */
+    triangle->v[0] = a;
+    triangle->v[1] = b;
+    triangle->v[2] = c;
+    f->degree.at[a]++;
+    f->degree.at[b]++;
+    f->degree.at[c]++;
+    return 4 * t;
+}
+
+/* Puts vertices p and q next to each other on the hull. */
+static void pbwio__join(pbwio__facet *f, pbw_index p, pbw_index q, pbw_index edge)
+{
+    f->next.at[p] = q;
+    f->before.at[q] = p;
+    f->edge.at[p] = edge;
+}
+
+/* Triangulates the points up to the first one, number `apex` in the order, that is not on a line with all before. */
+static void pbwio__start_hull(pbwio__facet *f, size_t apex)
+{
+    const pbw_index *o = f->order.at, top = o[apex];
+    const int left = pbwio__turn_of(f, o[0], o[1], top) > 0;
+    pbw_index code = PBW_NONE, first = PBW_NONE;
+    size_t i;
+    for (i = 0; i + 1 < apex; i++) {
+        const pbw_index last = code;
+        code = pbwio__set_triangle(f, (pbw_index)f->triangles.count++, o[left ? i : i + 1], o[left ? i + 1 : i], top);
+        if (i > 0) {
+            pbwio__set_link(f, left ? code + 1 : code, left ? last : last + 1, 0);
+        } else {
+            first = code;
+        }
+        pbwio__join(f, o[left ? i : i + 1], o[left ? i + 1 : i], code + 2);
+    }
+    if (left) {
+        pbwio__join(f, o[apex - 1], top, code);
+        pbwio__join(f, top, o[0], first + 1);
+    } else {
+        pbwio__join(f, o[0], top, first);
+        pbwio__join(f, top, o[apex - 1], code + 1);
+    }
+}
+
+/* Triangulates the points, unless all are on one line; then there are no triangles. */
+static void pbwio__sweep_points(pbwio__facet *f)
+{
+    const pbw_index *o = f->order.at;
+    size_t i, apex = 2;
+    int k;
+    f->triangles.count = 0;
+    while (apex < f->order.count && pbwio__turn_of(f, o[0], o[1], o[apex]) == 0) {
+        apex++;
+    }
+    if (apex >= f->order.count) {
+        return;
+    }
+    pbwio__start_hull(f, apex);
+    for (i = apex + 1; i < f->order.count; i++) {
+        const pbw_index p = o[i];
+        pbw_index a = o[i - 1], left, code = PBW_NONE, first = PBW_NONE;
+        while (pbwio__turn_of(f, f->before.at[a], a, p) < 0) {
+            a = f->before.at[a];
+        }
+        for (left = a; pbwio__turn_of(f, a, f->next.at[a], p) < 0; a = f->next.at[a]) {
+            const pbw_index last = code;
+            code = pbwio__set_triangle(f, (pbw_index)f->triangles.count++, p, f->next.at[a], a);
+            pbwio__set_link(f, code, f->edge.at[a], 0);
+            if (last == PBW_NONE) {
+                first = code;
+            } else {
+                pbwio__set_link(f, code + 1, last + 2, 0);
+            }
+        }
+        pbwio__join(f, left, p, first + 1);
+        pbwio__join(f, p, a, code + 2);
+    }
+    for (i = 0; i < f->triangles.count; i++) {
+        for (k = 0; k < 3; k++) {
+            f->edge.at[f->triangles.at[i].v[k]] = (pbw_index)(4 * i) + (pbw_index)k;
+        }
+    }
+}
+
+/* ---- edges of outlines ---- */
+
+/* Links an edge of a new triangle to what is beyond an edge of a chain. */
+static void pbwio__attach(pbwio__facet *f, pbw_index code, const pbwio__chained *link)
+{
+    if (!link->is_hinge) {
+        pbwio__set_link(f, code, link->code, link->wall);
+    } else if (f->hinges.at[link->code] == PBW_NONE) {
+        f->hinges.at[link->code] = code;
+    } else {
+        pbwio__set_link(f, code, f->hinges.at[link->code], link->wall);
+    }
+}
+
+/* Fills one side of the inserted edge from a chain's first vertex to its last; side: 1 left, 0 right.  Returns the
+   code of that edge. */
+static pbw_index pbwio__fill_chain(pbwio__facet *f, int side)
+{
+    pbwio__chained *stack = f->stack.at;
+    size_t i, top = 0;
+    for (i = 0; i < f->chains[side].count; i++) {
+        pbwio__chained next = f->chains[side].at[i];
+        while (top >= 2) {
+            const pbw_index p = stack[top - 2].vertex, q = stack[top - 1].vertex, v = next.vertex;
+            const int turn = pbwio__turn_of(f, p, q, v);
+            pbw_index code;
+            if (side ? turn >= 0 : turn <= 0) {
+                break;
+            }
+            code = pbwio__set_triangle(f, f->unused.at[--f->unused.count], p, side ? v : q, side ? q : v);
+            pbwio__attach(f, code + (side ? 1 : 2), stack + top - 1);
+            pbwio__attach(f, code, &next);
+            f->edge.at[p] = code;
+            f->edge.at[side ? v : q] = code + 1;
+            f->edge.at[side ? q : v] = code + 2;
+            next.code = code + (side ? 2 : 1);
+            next.wall = next.is_hinge = 0;
+            top--;
+        }
+        stack[top++] = next;
+    }
+    return stack[top - 1].code;
+}
+
+/* Puts a vertex at the end of a chain; code: the edge to it from the one before, of a triangle that goes. */
+static int pbwio__extend(pbwio__facet *f, int side, pbw_index vertex, pbw_index code)
+{
+    pbwio__chained link;
+    link.vertex = vertex;
+    link.code = code;
+    link.wall = code != PBW_NONE && f->triangles.at[code / 4].wall[code % 4];
+    link.is_hinge = 0;
+    return PBWIO__PUSH(f->r, f->chains[side], link) != 0;
+}
+
+static int pbwio__take_out(pbwio__facet *f, pbw_index t)
+{
+    int k;
+    for (k = 0; k < 3; k++) {
+        f->degree.at[f->triangles.at[t].v[k]]--;
+    }
+    f->triangles.at[t].out = 1;
+    return PBWIO__PUSH(f->r, f->unused, t) != 0;
+}
+
+/* Finds what is beyond the edges of a chain: a triangle that stays, nothing, or the chain again, as an edge may have
+   triangles that go on both of its sides: then it is a hinge. */
+static int pbwio__find_beyond(pbwio__facet *f, int side)
+{
+    enum { HINGE = 2 };
+    size_t i;
+    for (i = 1; i < f->chains[side].count; i++) {
+        pbwio__chained *link = f->chains[side].at + i;
+        pbwio__flat *own = f->triangles.at + link->code / 4;
+        const pbw_index beyond = own->link[link->code % 4];
+        link->is_hinge = own->wall[link->code % 4] == HINGE
+                      || (beyond != PBW_NONE && f->triangles.at[beyond / 4].out);
+        if (link->is_hinge && own->wall[link->code % 4] != HINGE) {  /* its first side */
+            f->triangles.at[beyond / 4].link[beyond % 4] = (pbw_index)f->hinges.count;
+            f->triangles.at[beyond / 4].wall[beyond % 4] = HINGE;
+            link->code = (pbw_index)f->hinges.count;
+            if (!PBWIO__PUSH(f->r, f->hinges, PBW_NONE)) {
+                return 0;
+            }
+        } else {
+            link->code = beyond;
+        }
+    }
+    return 1;
+}
+
+/* The edge from vertex a crosses the one of that code, and so on to b or to the first vertex on it, which is
+   returned; PBW_NONE: it crosses another edge, or memory is short. */
+static pbw_index pbwio__cross(pbwio__facet *f, pbw_index a, pbw_index b, pbw_index code)
+{
+    const pbwio__flat *t = f->triangles.at + code / 4;
+    const pbw_index first = code - code % 4;
+    pbw_index end = PBW_NONE, left;
+    int good;
+    f->chains[0].count = f->chains[1].count = f->unused.count = f->hinges.count = 0;
+    good = pbwio__extend(f, 0, a, PBW_NONE) && pbwio__extend(f, 1, a, PBW_NONE)
+        && pbwio__extend(f, 0, t->v[(code % 4 + 1) % 3], first + (code % 4 + 2) % 3)
+        && pbwio__extend(f, 1, t->v[(code % 4 + 2) % 3], first + (code % 4 + 1) % 3)
+        && pbwio__take_out(f, code / 4);
+    while (good && end == PBW_NONE) {
+        const pbwio__flat *from = f->triangles.at + code / 4;
+        const pbw_index next = from->link[code % 4], base = next - next % 4;
+        pbw_index apex;
+        int side;
+        if (from->wall[code % 4]) {
+            return PBW_NONE;
+        }
+        apex = f->triangles.at[next / 4].v[next % 4];
+        side = pbwio__turn_of(f, a, b, apex);
+        good = (side < 0 || pbwio__extend(f, 1, apex, base + (next % 4 + 2) % 3))
+            && (side > 0 || pbwio__extend(f, 0, apex, base + (next % 4 + 1) % 3)) && pbwio__take_out(f, next / 4);
+        end = side == 0 ? apex : PBW_NONE;
+        code = base + (next % 4 + (side > 0 ? 1u : 2u)) % 3;
+    }
+    if (!good || !pbwio__find_beyond(f, 0) || !pbwio__find_beyond(f, 1)
+        || !PBWIO__ROOM(f->r, f->stack, f->chains[0].count + f->chains[1].count)) {
+        return PBW_NONE;
+    }
+    left = pbwio__fill_chain(f, 1);
+    pbwio__set_link(f, pbwio__fill_chain(f, 0), left, 1);
+    return end;
+}
+
+/* Inserts the edge from vertex a to b, or its first part, to the vertex on it that is returned; PBW_NONE: it crosses
+   another edge. */
+static pbw_index pbwio__insert_part(pbwio__facet *f, pbw_index a, pbw_index b)
+{
+    const pbw_index start = f->edge.at[a];
+    pbw_index code = start;
+    int turn, k;
+    for (turn = 0; turn < 2; turn++) {               /* around a, from `start` on counter-clockwise, then clockwise */
+        code = turn == 0 ? start : f->triangles.at[start / 4].link[(start % 4 + 2) % 3];
+        code = turn == 0 || code == PBW_NONE ? code : code - code % 4 + (code % 4 + 2) % 3;
+        while (code != PBW_NONE) {
+            const pbwio__flat *t = f->triangles.at + code / 4;
+            const unsigned i = code % 4;
+            int sides[2];
+            for (k = 0; k < 2; k++) {
+                const pbw_index v = t->v[(i + 1 + (unsigned)k) % 3];
+                sides[k] = pbwio__turn_of(f, a, b, v);
+                if (sides[k] == 0 && pbwio__left_of(f->xy.at, a, b) == pbwio__left_of(f->xy.at, a, v)) {
+                    const pbw_index edge = code - i + (i + 2 - (unsigned)k) % 3;
+                    pbwio__set_link(f, edge, f->triangles.at[edge / 4].link[edge % 4], 1);
+                    return v;
+                }
+            }
+            if (sides[0] < 0 && sides[1] > 0) {
+                return pbwio__cross(f, a, b, code);
+            }
+            code = t->link[(i + (turn == 0 ? 1u : 2u)) % 3];
+            code = code == PBW_NONE ? code : code - code % 4 + (code % 4 + (turn == 0 ? 1u : 2u)) % 3;
+            if (code == start) {
+                return PBW_NONE;
+            }
+        }
+    }
+    return PBW_NONE;
+}
+
+/* Inserts the edges of an outline: one of two corners is a line, of one a point.  Returns what is wrong, or NULL. */
+static const char *pbwio__insert_outline(pbwio__facet *f, size_t from, size_t to)
+{
+    size_t i;
+    for (i = from; i < to - (to - from < 3); i++) {
+        pbw_index a = f->local.at[f->corners.at[i]], b = f->local.at[f->corners.at[i + 1 < to ? i + 1 : from]], swap;
+        if (f->degree.at[a] > f->degree.at[b]) {
+            swap = a;
+            a = b;
+            b = swap;
+        }
+        if (i % 1024 == 0 && pbwio__stops(f->r->options->build, 0)) {
+            pbwio__fail(f->r, PBWIO_CANCELLED, "cancelled");
+        }
+        while (a != b && f->r->status == PBWIO_OK) {
+            a = pbwio__insert_part(f, a, b);
+            if (a == PBW_NONE) {
+                return "edges of a facet cross";
+            }
+            if (f->id.at[a] == PBW_NONE) {
+                return "the point of a hole lies on an edge of its facet";
+            }
+        }
+    }
+    return NULL;
+}
+
+/* Takes away what is reached from outside or from a point in a hole without crossing an edge. */
+static void pbwio__take_away(pbwio__facet *f)
+{
+    size_t i;
+    int k;
+    f->unused.count = 0;
+    for (i = 0; i < f->triangles.count && f->r->status == PBWIO_OK; i++) {
+        pbwio__flat *t = f->triangles.at + i;
+        int out = 0;
+        for (k = 0; k < 3; k++) {
+            out |= f->id.at[t->v[k]] == PBW_NONE || (t->link[k] == PBW_NONE && !t->wall[k]);
+        }
+        if (out && !t->out) {
+            t->out = 1;
+            (void)PBWIO__PUSH(f->r, f->unused, (pbw_index)i);
+        }
+        while (f->unused.count > 0) {
+            const pbwio__flat *at = f->triangles.at + f->unused.at[--f->unused.count];
+            for (k = 0; k < 3; k++) {
+                const pbw_index next = at->link[k];
+                if (next != PBW_NONE && !at->wall[k] && !f->triangles.at[next / 4].out) {
+                    f->triangles.at[next / 4].out = 1;
+                    (void)PBWIO__PUSH(f->r, f->unused, next / 4);
+                }
+            }
+        }
+    }
+}
+
+/* Gives the cloud the triangles of the facet, and its lines. */
+static void pbwio__keep_facet(pbwio__facet *f)
+{
+    pbw_index line[2];
+    size_t i, k;
+    for (i = 0; i < f->triangles.count && f->r->status == PBWIO_OK; i++) {
+        const pbwio__flat *t = f->triangles.at + i;
+        if (!t->out) {
+            pbwio__add_triangle(f->r, f->id.at[t->v[0]], f->id.at[t->v[1]], f->id.at[t->v[2]]);
+        }
+        for (k = 0; k < 3; k++) {
+            const pbw_index next = t->link[k];
+            const int beyond = next != PBW_NONE && !f->triangles.at[next / 4].out;
+            if (t->wall[k] && beyond == !t->out && (next == PBW_NONE || 4 * i + k < next)) {
+                line[0] = f->id.at[t->v[(k + 1) % 3]];
+                line[1] = f->id.at[t->v[(k + 2) % 3]];
+                pbwio__add_simplex(f->r, 1, line);
+            }
+        }
+    }
+}
+
+/* The facet of one outline, as a fan; returns whether that fits. */
+static int pbwio__add_fan(pbwio__facet *f, const int axis[2])
+{
+    const pbw_index *c = f->corners.at;
+    const size_t n = f->corners.count, first = f->r->cloud->triangle_count;
+    size_t i;
+    for (i = 2; i < n; i++) {
+        pbwio__add_triangle(f->r, c[0], c[i - 1], c[i]);
+    }
+    if (f->r->status != PBWIO_OK || pbwio__fan_fits(f->r->cloud, f->r->cloud->triangles + 3 * first, n, axis)) {
+        return 1;
+    }
+    f->r->cloud->triangle_count = first;
+    return 0;
+}
+
+/* Adds the facet at hand to the cloud. */
+static void pbwio__add_facet(pbwio__facet *f)
+{
+    pbwio__reader *r = f->r;
+    const char *wrong = NULL;
+    size_t i, from = 0;
+    int axis[2];
+    if (f->corners.count == 0 || f->corners.count >= PBW_NONE / 16) {
+        pbwio__fail(r, PBWIO_ERROR_FORMAT, "a facet of %zu corners", f->corners.count);
+    }
+    if (r->status != PBWIO_OK) {
+        return;
+    }
+    pbwio__project(f, axis);
+    if (f->ends.count == 1 && f->corners.count > 2 && f->holes.count == 0 && pbwio__add_fan(f, axis)) {
+        return;
+    }
+    if (!pbwio__place_corners(f, axis)) {
+        wrong = "a facet has points at one place, or so as seen across it";
+    }
+    if (wrong == NULL && r->status == PBWIO_OK) {
+        pbwio__sweep_points(f);
+    }
+    for (i = 0; i < f->ends.count && wrong == NULL && r->status == PBWIO_OK; from = f->ends.at[i++]) {
+        if (f->triangles.count == 0) {                               /* all are on one line */
+            if (f->ends.at[i] - from == 2) {
+                pbwio__add_simplex(r, 1, f->corners.at + from);
+            } else if (f->ends.at[i] - from > 2) {
+                wrong = "the corners of a facet are on one line";
+            }
+        } else {
+            wrong = pbwio__insert_outline(f, from, f->ends.at[i]);
+        }
+    }
+    if (wrong != NULL && r->status == PBWIO_OK) {
+        pbwio__fail(r, PBWIO_ERROR_FORMAT, "%s", wrong);
+    }
+    if (r->status == PBWIO_OK && f->triangles.count > 0) {
+        pbwio__take_away(f);
+        pbwio__keep_facet(f);
+    }
+    for (i = 0; i < f->corners.count; i++) {
+        f->local.at[f->corners.at[i]] = PBW_NONE;
+    }
+}
+
+/* ------------------------------------------------------------------------------------------------------
    >>rows         Formats with a line for each point: tables, .node, .obj, .off.
    In: the reader at the start of the file.  Out: the cloud.
    Holds: a first line of counts is passed only where the rows below agree with it.
@@ -2668,8 +3268,8 @@ static void pbwio__read_node(pbwio__reader *r)
     pbwio__row_line(r);
     count = pbwio__count(r, "number of points");
     dim = pbwio__count(r, "dimension");
-    attributes = pbwio__count(r, "number of attributes");
-    markers = pbwio__count(r, "number of markers");
+    attributes = pbwio__has_more(r) ? pbwio__count(r, "number of attributes") : 0;
+    markers = pbwio__has_more(r) ? pbwio__count(r, "number of markers") : 0;
     if (dim < 2 || dim > 3 || attributes > 1000 || markers > 1) {
         pbwio__fail(r, PBWIO_ERROR_FORMAT, "dimension %lld, %lld attributes, %lld markers", dim, attributes, markers);
         return;
@@ -3519,6 +4119,202 @@ static void pbwio__read_facets(pbwio__reader *r)
             pbwio__add_element(r, dim, dim + 1, dim + 1, id);
         }
     }
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   >>poly         Surfaces of TetGen, .poly and .smesh, and domains of Triangle, .poly.
+   In: the reader; the points of the .node file, if the file has none.  Out: triangles, in the plane segments; groups
+   by markers and attributes; points in holes and regions.
+   ------------------------------------------------------------------------------------------------------ */
+/* The next line, with a row of a section. */
+static void pbwio__next_row(pbwio__reader *r, const char *what)
+{
+    if (r->status == PBWIO_OK && !pbwio__row_line(r)) {
+        pbwio__fail(r, PBWIO_ERROR_FORMAT, "the file ends where %s should be", what);
+    }
+}
+
+/* The marker that comes next, if the file has such, is the group of elements of that dimension. */
+static void pbwio__next_marker(pbwio__reader *r, int dim, int has_markers)
+{
+    r->group[dim] = PBW_NONE;
+    if (has_markers && pbwio__has_more(r)) {
+        pbwio__reference(r, dim);
+    }
+}
+
+/* The number of corners of an outline, and the corners, on any number of lines. */
+static void pbwio__read_outline(pbwio__facet *f)
+{
+    pbwio__reader *r = f->r;
+    const long long count = pbwio__count(r, "number of corners"), base = r->cloud->base;
+    long long i, id;
+    if (count == 0) {
+        pbwio__fail(r, PBWIO_ERROR_FORMAT, "an outline without corners");
+    }
+    for (i = 0; i < count && r->status == PBWIO_OK; i++) {
+        id = pbwio__token_count(r, "corner") - base;
+        if (r->status == PBWIO_OK && (id < 0 || (unsigned long long)id >= r->cloud->count)) {
+            pbwio__fail(r, PBWIO_ERROR_FORMAT, "a facet has point %lld, there are %lld to %lld", id + base, base,
+                        base + (long long)r->cloud->count - 1);
+        }
+        (void)(r->status == PBWIO_OK && PBWIO__PUSH(r, f->corners, (pbw_index)id));
+    }
+    (void)(r->status == PBWIO_OK && PBWIO__PUSH(r, f->ends, (pbw_index)f->corners.count));
+}
+
+/* A facet: the numbers of outlines and holes, the marker; the outlines; points in the holes.  In .smesh it is an
+   outline, then the marker. */
+static void pbwio__read_facet(pbwio__facet *f, int is_smesh, int has_markers)
+{
+    pbwio__reader *r = f->r;
+    long long outlines, holes, i;
+    int k;
+    f->corners.count = f->ends.count = f->holes.count = 0;
+    pbwio__next_row(r, "a facet");
+    if (is_smesh) {
+        pbwio__read_outline(f);
+        pbwio__next_marker(r, 2, has_markers);
+        return;
+    }
+    outlines = pbwio__count(r, "number of outlines");
+    holes = pbwio__has_more(r) ? pbwio__count(r, "number of holes") : 0;
+    pbwio__next_marker(r, 2, has_markers);
+    for (i = 0; i < outlines && r->status == PBWIO_OK; i++) {
+        pbwio__next_row(r, "an outline");
+        pbwio__read_outline(f);
+    }
+    for (i = 0; i < holes && r->status == PBWIO_OK; i++) {
+        pbwio__next_row(r, "a hole");
+        pbwio__count(r, "number of the hole");
+        for (k = 0; k < 3; k++) {
+            const double x = pbwio__token_number(r);
+            (void)(r->status == PBWIO_OK && PBWIO__PUSH(r, f->holes, x));
+        }
+    }
+}
+
+static void pbwio__read_poly_facets(pbwio__reader *r)
+{
+    const int is_smesh = pbwio__lists("smesh", pbwio__ending(r->name));
+    long long count, has_markers, i;
+    pbwio__facet f;
+    memset(&f, 0, sizeof f);
+    f.r = r;
+    pbwio__next_row(r, "the number of facets");
+    count = pbwio__count(r, "number of facets");
+    has_markers = pbwio__has_more(r) ? pbwio__count(r, "number of markers") : 0;
+    if (r->status == PBWIO_OK && PBWIO__ROOM(r, f.local, r->cloud->count)) {
+        memset(f.local.at, 0xff, r->cloud->count * sizeof *f.local.at);         /* PBW_NONE */
+    }
+    for (i = 0; i < count && r->status == PBWIO_OK; i++) {
+        pbwio__read_facet(&f, is_smesh, has_markers > 0);
+        pbwio__add_facet(&f);
+    }
+    r->group[1] = r->group[2] = PBW_NONE;
+    if (f.bent > 0) {
+        pbwio__report_dropped(r, "the flatness of %zu facet%s: corners are up to %.2g beside the plane", f.bent,
+                              f.bent == 1 ? "" : "s", f.bend);
+    }
+    pbwio__release_facet(&f);
+}
+
+static void pbwio__read_poly_segments(pbwio__reader *r)
+{
+    long long count, has_markers, i, id[2];
+    int k;
+    pbwio__next_row(r, "the number of segments");
+    count = pbwio__count(r, "number of segments");
+    has_markers = pbwio__has_more(r) ? pbwio__count(r, "number of markers") : 0;
+    for (i = 0; i < count && r->status == PBWIO_OK; i++) {
+        pbwio__next_row(r, "a segment");
+        pbwio__count(r, "number of the segment");
+        for (k = 0; k < 2; k++) {
+            id[k] = pbwio__count(r, "point number") - r->cloud->base;
+        }
+        pbwio__next_marker(r, 1, has_markers > 0);
+        if (r->status == PBWIO_OK) {
+            pbwio__add_element(r, 1, 2, 2, id);
+        }
+    }
+}
+
+/* Points in holes, or in regions, with the attribute and perhaps a bound.  Files may end before. */
+static void pbwio__read_seeds(pbwio__reader *r, int regions)
+{
+    pbwio_cloud *cloud = r->cloud;
+    long long count, i;
+    double tag = 0;
+    int k;
+    if (r->status != PBWIO_OK || !pbwio__row_line(r)) {
+        return;
+    }
+    count = pbwio__count(r, regions ? "number of regions" : "number of holes");
+    for (i = 0; i < count && r->status == PBWIO_OK; i++) {
+        pbwio_seed seed;
+        size_t room = cloud->capacity[PBWIO__OF_SEEDS] / sizeof seed;
+        memset(&seed, 0, sizeof seed);
+        seed.group = PBW_NONE;
+        pbwio__next_row(r, regions ? "a region" : "a hole");
+        pbwio__count(r, regions ? "number of the region" : "number of the hole");
+        for (k = 0; k < cloud->dim; k++) {
+            seed.place[k] = pbwio__token_number(r);
+        }
+        if (regions) {
+            tag = pbwio__token_number(r);
+            seed.bound = pbwio__has_more(r) ? pbwio__token_number(r) : 0;
+            seed.bound = seed.bound > 0 ? seed.bound : 0;
+            if (!(fabs(tag) < 1e18) || tag > floor(tag)) {
+                pbwio__fail(r, PBWIO_ERROR_FORMAT, "the attribute of a region is %g: a whole number is needed", tag);
+            }
+            seed.group = r->status != PBWIO_OK ? PBW_NONE
+                       : pbwio__find_group(r, cloud->dim, (long long)tag, "", 0);
+        }
+        if (r->status == PBWIO_OK && cloud->seed_count == room
+            && !pbwio__fit_cloud(r, PBWIO__OF_SEEDS, &cloud->seeds, room + room / 2 + 16, sizeof seed)) {
+            return;
+        }
+        if (r->status == PBWIO_OK) {
+            cloud->seeds[cloud->seed_count++] = seed;
+        }
+    }
+}
+
+/* The first number of a .poly or .smesh file is 0: its points are in the .node file beside it. */
+static int pbwio__lacks_points(const pbwio__reader *r)
+{
+    pbwio__reader ahead = *r;
+    pbwio__field field;
+    long long count;
+    ahead.error = NULL;
+    ahead.report_at = NULL;
+    return pbwio__row_line(&ahead) && pbwio__next(&ahead, &field) && pbwio__natural(field, &count) && count == 0;
+}
+
+/* Points; facets, in the plane segments; holes; regions. */
+static void pbwio__read_poly(pbwio__reader *r)
+{
+    long long dim = 0;
+    if (!pbwio__lacks_points(r)) {
+        pbwio__reader ahead = *r;
+        ahead.error = NULL;
+        pbwio__row_line(&ahead);
+        pbwio__count(&ahead, "number of points");
+        dim = pbwio__count(&ahead, "dimension");
+        pbwio__read_node(r);
+    } else if (pbwio__has_nodes(r)) {
+        pbwio__row_line(r);
+    }
+    if (r->status == PBWIO_OK && dim == 3 && r->cloud->dim == 2) {
+        pbwio__fail(r, PBWIO_ERROR_ARGUMENT, "facets in space, and 2 dimensions are asked for");
+    }
+    if (r->status == PBWIO_OK && r->cloud->dim == 3) {
+        pbwio__read_poly_facets(r);
+    } else if (r->status == PBWIO_OK) {
+        pbwio__read_poly_segments(r);
+    }
+    pbwio__read_seeds(r, 0);
+    pbwio__read_seeds(r, 1);
 }
 
 /* ------------------------------------------------------------------------------------------------------
@@ -7685,7 +8481,8 @@ static const pbwio__format_info pbwio__format_table[] = {
     { "su2", PBWIO__NO_ORPHANS | PBWIO__GROUPED | PBWIO__HULL, PBWIO_PATCHES | PBWIO_NAMES, pbwio__read_su2,
       pbwio__write_su2, NULL },
     { "json geojson", 0, 0, pbwio__read_json, NULL, NULL },
-    { "vtk", 0, 0, pbwio__read_vtk, NULL, NULL }
+    { "vtk", 0, 0, pbwio__read_vtk, NULL, NULL },
+    { "poly smesh", 0, 0, pbwio__read_poly, NULL, NULL }
 };
 enum { PBWIO__FORMATS = sizeof pbwio__format_table / sizeof pbwio__format_table[0] };
 
@@ -7919,7 +8716,9 @@ static void pbwio__trim_arrays(pbwio_cloud *cloud, int free_all)
         { &cloud->point_groups, id * cloud->count }, { &cloud->segment_groups, id * cloud->segment_count },
         { &cloud->triangle_groups, id * cloud->triangle_count },
         { &cloud->tetrahedron_groups, id * cloud->tetrahedron_count }, { &cloud->weights, n }, { &cloud->heights, n },
-        { &cloud->groups, cloud->capacity[PBWIO__OF_GROUPS] }, { &cloud->columns, cloud->capacity[PBWIO__OF_COLUMNS] }
+        { &cloud->groups, cloud->capacity[PBWIO__OF_GROUPS] },
+        { &cloud->columns, cloud->capacity[PBWIO__OF_COLUMNS] },
+        { &cloud->seeds, cloud->seed_count * sizeof(pbwio_seed) }
     };
     size_t i;
     for (i = 0; i < sizeof arrays / sizeof arrays[0]; i++) {
@@ -8014,6 +8813,7 @@ static pbwio_status pbwio__read(const char *name, const void *data, size_t size,
         }
     }
     format = format != PBWIO_AUTO ? format : pbwio__sniff(r);
+    r.budget += format == PBWIO_POLY && size < (size_t)-1 / 64 ? 24 * size : 0;       /* triangles of facets */
     left = (size_t)(r.end - r.at);
     wrong = pbwio__content_error(r.at, left, format);
     if (wrong != NULL) {
@@ -8181,6 +8981,22 @@ static pbwio_status pbwio__read_beside(const char *path, const char *ending, int
     return status;
 }
 
+/* Whether a .poly or .smesh file is there and has no points of its own. */
+static int pbwio__points_are_beside(const char *path, const pbwio_options *options, pbwio_cloud *cloud)
+{
+    pbwio__bytes data;
+    pbwio__reader r;
+    int beside = 0;
+    if (pbwio__load(path, &cloud->memory, options != NULL ? options->build : NULL, &data, NULL) == PBWIO_OK) {
+        memset(&r, 0, sizeof r);
+        r.at = data.count > 0 ? data.at : "";
+        r.end = r.at + data.count;
+        beside = pbwio__lacks_points(&r);
+        PBW_RELEASE(&cloud->memory, data);
+    }
+    return beside;
+}
+
 PBWIODEF pbwio_status pbwio_read(const char *path, const pbwio_options *options, pbwio_cloud *cloud,
                                  pbwio_error *error)
 {
@@ -8192,7 +9008,8 @@ PBWIODEF pbwio_status pbwio_read(const char *path, const pbwio_options *options,
     memset(cloud, 0, sizeof *cloud);
     pbw_memory_start(&cloud->memory, options != NULL ? options->build : NULL);
     format = options != NULL && options->format != PBWIO_AUTO ? options->format : pbwio_format_of(path);
-    if (format == PBWIO_ELE || format == PBWIO_FACE) {
+    if (format == PBWIO_ELE || format == PBWIO_FACE
+        || (format == PBWIO_POLY && strcmp(path, "-") != 0 && pbwio__points_are_beside(path, options, cloud))) {
         status = pbwio__read_beside(path, "node", 0, options, cloud, error);
     }
     status = status != PBWIO_OK ? status : pbwio__read_file(path, options, cloud, error);

@@ -249,7 +249,8 @@ static int read_head(text *t, plan *d, double *n, int *markers)
         return 0;
     }
     if (rest(t, x, 3) < 0 || x[0] < 2 || x[0] > 2) {
-        return refuse(t, "the dimension 2 is needed after the number of points");
+        return refuse(t, "the dimension 2 is needed after the number of points%s",
+                      x[0] >= 3 && x[0] <= 3 ? "; pbw fill takes facets in space" : "");
     }
     if (!(x[1] >= 0 && x[1] <= MOST_ATTRIBUTES) || x[1] > floor(x[1])) {
         return refuse(t, "the number of attributes is needed, up to %d", MOST_ATTRIBUTES);

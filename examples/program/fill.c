@@ -1,5 +1,6 @@
 /* fill.c: pbw fill.
-   In: a surface, perhaps with groups of faces.  Out: tetrahedra with its own triangles as facets, regions, groups. */
+   In: a surface, perhaps with groups of faces, holes and regions.  Out: tetrahedra with its own triangles as facets,
+   regions, groups. */
 #include "program.h"
 
 static const option fill_options[] = {
@@ -93,17 +94,87 @@ static int refuse(const job *j, pbw_status status, const pbw_fill_report *r)
     return FAILURE;
 }
 
+/* ---- holes and regions of the file ---- */
+
+typedef struct seeding {                             /* what pbw_fill gets; start from {0} */
+    double *places;
+    pbw_index *regions;
+    pbw_index *groups;                               /* of each region: the file's */
+    size_t count, region_count;
+} seeding;
+
+/* Gives each group of regions a number.  Returns 0 without memory. */
+static int take_seeds(const pbwio_cloud *c, seeding *s)
+{
+    pbw_index *region = (pbw_index *)malloc((c->group_count + 1) * sizeof *region);
+    size_t i;
+    s->places = (double *)malloc((3 * c->seed_count + 1) * sizeof *s->places);
+    s->regions = (pbw_index *)malloc((c->seed_count + 1) * sizeof *s->regions);
+    s->groups = (pbw_index *)malloc((c->group_count + 1) * sizeof *s->groups);
+    if (region == NULL || s->places == NULL || s->regions == NULL || s->groups == NULL) {
+        free(region);
+        return 0;
+    }
+    for (i = 0; i < c->group_count; i++) {
+        region[i] = PBW_NONE;
+    }
+    for (; s->count < c->seed_count; s->count++) {
+        const pbwio_seed *seed = c->seeds + s->count;
+        memcpy(s->places + 3 * s->count, seed->place, 3 * sizeof(double));
+        if (seed->group != PBW_NONE && region[seed->group] == PBW_NONE) {
+            region[seed->group] = (pbw_index)s->region_count;
+            s->groups[s->region_count++] = seed->group;
+        }
+        s->regions[s->count] = seed->group == PBW_NONE ? PBW_NONE : region[seed->group];
+    }
+    free(region);
+    return 1;
+}
+
+static void free_seeds(seeding *s)
+{
+    free(s->places);
+    free(s->regions);
+    free(s->groups);
+}
+
+/* A line for each region with a seed: its tetrahedra and volume. */
+static void report_regions(const job *j, const pbw_filled *f, const seeding *s)
+{
+    size_t r, i;
+    for (r = 0; r < s->region_count && r < MOST_SHOWN; r++) {
+        double volume = 0;
+        size_t count = 0;
+        for (i = 0; i < f->tets.tet_count; i++) {
+            const pbw_index *c = f->tets.corners + 4 * i;
+            const double *p = f->tets.points;
+            count += f->tets.regions[i] == r;
+            volume += f->tets.regions[i] == r ? pbw_tet_measure(PBW_MEASURE_VOLUME, p + 3 * (size_t)c[0],
+                                                                p + 3 * (size_t)c[1], p + 3 * (size_t)c[2],
+                                                                p + 3 * (size_t)c[3]) : 0;
+        }
+        report_line(j, "region %lld: %zu %s, volume %.10g", j->cloud.groups[s->groups[r]].tag, count,
+                    simplices(3, count), volume);
+    }
+}
+
 /* ---- the output ---- */
 
 typedef struct naming { pbwio_group *groups; size_t count, all; pbw_index *patches, *regions; } naming;
 
-/* Gives facets the groups of the model's faces, and each region a group behind these.  Returns 0 without memory. */
-static int name_groups(job *j, const pbw_filled *f, size_t regions, naming *n)
+/* Gives facets the groups of the model's faces, and regions those of seeds or groups behind these.  Returns 0 without
+   memory. */
+static int name_groups(job *j, const pbw_filled *f, const seeding *seeds, naming *n)
 {
     pbwio_cloud *c = &j->cloud;
     const size_t faces = 4 * f->tets.tet_count;
     const int named = c->triangle_groups != NULL && !is_given(j, "--faces");
-    size_t i;
+    long long tag = 0;
+    size_t i, regions = 0;
+    for (i = 0; i < f->tets.tet_count; i++) {
+        regions = f->tets.regions[i] >= regions ? (size_t)f->tets.regions[i] + 1 : regions;
+    }
+    regions = regions > seeds->region_count ? regions - seeds->region_count : 0;         /* those without a seed */
     n->count = named ? c->group_count : 0;
     n->patches = (pbw_index *)malloc((faces + 1) * sizeof *n->patches);
     n->regions = (pbw_index *)malloc((f->tets.tet_count + 1) * sizeof *n->regions);
@@ -116,16 +187,19 @@ static int name_groups(job *j, const pbw_filled *f, size_t regions, naming *n)
         n->patches[i] = face == PBW_NONE || !named ? face : c->triangle_groups[face];
     }
     for (i = 0; i < f->tets.tet_count; i++) {
-        n->regions[i] = (named ? (pbw_index)n->count : 0) + f->tets.regions[i];
+        const pbw_index r = f->tets.regions[i];
+        n->regions[i] = !named ? r : r < seeds->region_count ? seeds->groups[r]
+                      : (pbw_index)(n->count - seeds->region_count) + r;
     }
     for (i = 0; i < n->count; i++) {
+        tag = c->groups[i].dim == 3 && c->groups[i].tag > tag ? c->groups[i].tag : tag;
         n->groups[n->all++] = c->groups[i];
         c->groups[i].name = NULL;                    /* it is ours now */
     }
     for (i = 0; named && i < regions; i++) {
         pbwio_group *g = n->groups + n->all++;
         g->dim = 3;
-        g->tag = (long long)i + 1;
+        g->tag = tag + (long long)i + 1;
         g->name = (char *)malloc(32);
         if (g->name == NULL) {
             return 0;
@@ -159,6 +233,7 @@ static int run(job *j)
     pbw_filled filled;
     pbw_status status;
     naming names;
+    seeding seeds;
     size_t i;
     int failed = load(j, 0);
     failed = failed ? failed : complete_faces(j);
@@ -173,10 +248,18 @@ static int run(job *j)
     input.numbers = j->cloud.triangle_groups;
     input.segments = j->cloud.segments;
     input.segment_count = j->cloud.segment_count;
+    memset(&seeds, 0, sizeof seeds);
+    if (j->cloud.seed_count > 0 && !take_seeds(&j->cloud, &seeds)) {
+        free_seeds(&seeds);
+        return fail(j, "out of memory");
+    }
+    input.seeds = seeds.places;
+    input.seed_count = seeds.count;
+    input.seed_regions = seeds.regions;
     memset(&how, 0, sizeof how);
     how.conforming = is_given(j, "--conforming");
     how.split_flat = is_given(j, "--split-flat") || is_given(j, "--faces");
-    how.nested = is_given(j, "--nested");
+    how.nested = is_given(j, "--nested") || pbwio_format_of(j->input) == PBWIO_POLY;
     how.outside = is_given(j, "--outside");
     how.most = (size_t)number_of(j, "--most", 0);
     how.improve.target = number_of(j, "--target", 0);
@@ -184,11 +267,13 @@ static int run(job *j)
     how.stage = &j->stage;
     status = pbw_fill(&input, &how, &j->build, &filled, &report);
     if (status != PBW_OK) {
+        free_seeds(&seeds);
         return refuse(j, status, &report);
     }
     report_on(j, &filled, &report);
+    report_regions(j, &filled, &seeds);
     memset(&names, 0, sizeof names);
-    failed = name_groups(j, &filled, report.regions, &names) ? write_filled(j, &filled, &names)
+    failed = name_groups(j, &filled, &seeds, &names) ? write_filled(j, &filled, &names)
            : fail(j, "out of memory");
     for (i = 0; i < names.all; i++) {
         free(names.groups[i].name);
@@ -196,6 +281,7 @@ static int run(job *j)
     free(names.groups);
     free(names.patches);
     free(names.regions);
+    free_seeds(&seeds);
     pbw_fill_free(&filled);
     memset(&j->mesh, 0, sizeof j->mesh);
     return failed;
@@ -218,7 +304,8 @@ const command command_fill = {
     "of TetGen: -pY is pbw fill, -p is --conforming, -pi is either: points inside are kept; -pA regions, which are\n"
     "always told; -q --target 20, but with points only where angles need them.  There is no -a.\n"
     "\n"
-    "input:   .obj .ply .stl .off .vtu .msh with faces\n"
+    "input:   .obj .ply .stl .off .vtu .msh with faces; .poly .smesh of TetGen, with facets, holes, regions: what is\n"
+    "         enclosed and no hole is kept.  The largest volumes of regions are not kept\n"
     "output:  .vtu .msh .msh2 .mesh .inp .su2 .node .ele .neigh .face (tetrahedra, facets), .obj .ply .stl .off\n"
     "         (boundary), .svg (picture), .html (page to look around in); any number of them\n"
     "\n",

@@ -123,7 +123,7 @@ static int one_file(const char *a, const char *b)
 #endif
 }
 
-/* Whether a .poly file has no points of its own, and takes those of the .node file beside it. */
+/* Whether a .poly or .smesh file has no points of its own, and takes those of the .node file beside it. */
 static int lacks_points(const char *path)
 {
     char line[256] = "#";
@@ -151,10 +151,10 @@ static int destroys(const char *path, const char *input)
     }
     dot = strrchr(input, '.');
     dot = dot != NULL && strcmp(dot, ".gz") == 0 ? strstr(input, ".ele.gz") : dot;
-    if (dot == NULL || (strcmp(dot, ".poly") == 0 && !lacks_points(input))) {
+    if (dot == NULL || (pbwio_format_of(input) == PBWIO_POLY && !lacks_points(input))) {
         return 0;
     }
-    count = strncmp(dot, ".ele", 4) == 0 ? 3 : strcmp(dot, ".poly") == 0 || strcmp(dot, ".face") == 0
+    count = strncmp(dot, ".ele", 4) == 0 ? 3 : pbwio_format_of(input) == PBWIO_POLY || strcmp(dot, ".face") == 0
          || strcmp(dot, ".edge") == 0 ? 1 : 0;
     for (i = 0; i < count; i++) {
         snprintf(other, sizeof other, "%.*s.%s", (int)(dot - input), input, endings[i]);

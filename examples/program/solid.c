@@ -463,7 +463,7 @@ const command command_solid = {
     "data of cells in .vtu, groups in .msh and .inp, tags or references in .msh2, .mesh and .ele.  The report ends\n"
     "with warnings where the boundary is not that of the model.\n"
     "\n"
-    "input:   .obj .ply .stl .off with faces that enclose something\n"
+    "input:   .obj .ply .stl .off .poly .smesh with faces that enclose something\n"
     "output:  .vtu .msh .msh2 .mesh .inp .su2 .node .ele .neigh .face (tetrahedra, boundary), .obj .ply .stl .off\n"
     "         (boundary), .svg (picture), .html (page to look around in); any number of them\n"
     "\n",

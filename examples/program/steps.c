@@ -87,6 +87,10 @@ int load(job *j, int flat)
         return explain_io(j, status, &error);
     }
     warn_dropped(j, j->input, &j->cloud);
+    if (j->cloud.seed_count > 0 && j->command != &command_fill) {
+        warn(j, "%s: its holes and regions, %zu in all, are not kept; pbw fill keeps them", j->input,
+             j->cloud.seed_count);
+    }
     if (flat && j->read.dim == 0 && j->cloud.dim == 3) {
         flatten(&j->cloud);
     }
