@@ -258,8 +258,9 @@ typedef struct pbwfill__work {
     pbwfill__indices edge_of;              /* 3 t + k: its edge */
     pbwfill__indices facet_of;             /* of each triangle */
     pbwfill__indices facet_first, members; /* the triangles of facet f: members[facet_first[f]] to the next's */
-    PBW_ARRAY(unsigned char) acute;        /* of each vertex: two segments at it are at less than 90 degrees */
     PBW_ARRAY(pbwfill__piece) pieces;
+    pbwfill__indices ends_of;              /* 2 a vertex on a segment: its piece's `ends`; vertices of segments follow
+                                              the box's corners */
     pbwfill__table table, borders, covered, segments;
     pbwfill__indices cavity, rest;         /* tetrahedra; vertices, or those to be visited */
     PBW_ARRAY(pbwfill__face) faces;
@@ -606,7 +607,7 @@ static pbw_status pbwfill__triangulate(pbwfill__work *w)
 
 /* ------------------------------------------------------------------------------------------------------
    >>edges        Edges of the triangles; which are segments; flat facets.
-   In: the input's triangles.  Out: corners, edges, sides, facets, a piece for each segment, acute.
+   In: the input's triangles.  Out: corners, edges, sides, facets, a piece for each segment.
    Holds: edges ascend by their ends, and so do not depend on the order of triangles; facets are numbered by their
    first triangles.
    ------------------------------------------------------------------------------------------------------ */
@@ -870,38 +871,6 @@ static void pbwfill__list_members(pbwfill__work *w)
     w->facet_first.at[facets] = (pbw_index)w->members.count;
 }
 
-/* Marks the vertices with two segments at less than 90 degrees.  Seven or more segments always have such a pair. */
-static pbw_status pbwfill__find_acute(pbwfill__work *w)
-{
-    pbwfill__indices others = { NULL, 0, 0 };        /* 6 a vertex */
-    PBW_ARRAY(unsigned char) counts = { NULL, 0, 0 };
-    pbw_status status = PBW_ERROR_MEMORY;
-    size_t i, k, side;
-    if (PBW_ZEROS(&w->memory, w->acute, w->inputs + 1) && PBW_FIT(&w->memory, others, 6 * w->inputs + 1)
-        && PBW_ZEROS(&w->memory, counts, w->inputs + 1)) {
-        status = PBW_OK;
-        for (i = 0; i < w->pieces.count; i++) {
-            for (side = 0; side < 2; side++) {
-                const size_t v = w->pieces.at[i].ends[side], u = w->pieces.at[i].ends[1 - side];
-                const double *p = w->x.at + 3 * v, *q = w->x.at + 3 * u;
-                for (k = 0; k < counts.at[v] && !w->acute.at[v]; k++) {
-                    const double *r = w->x.at + 3 * (size_t)others.at[6 * v + k];
-                    w->acute.at[v] = (q[0] - p[0]) * (r[0] - p[0]) + (q[1] - p[1]) * (r[1] - p[1])
-                                   + (q[2] - p[2]) * (r[2] - p[2]) > 0;
-                }
-                if (counts.at[v] == 6) {
-                    w->acute.at[v] = 1;
-                } else {
-                    others.at[6 * v + counts.at[v]++] = (pbw_index)u;
-                }
-            }
-        }
-    }
-    PBW_RELEASE(&w->memory, others);
-    PBW_RELEASE(&w->memory, counts);
-    return status;
-}
-
 static pbw_status pbwfill__find_edges(pbwfill__work *w)
 {
     pbwfill__indices order = { NULL, 0, 0 };
@@ -918,7 +887,6 @@ static pbw_status pbwfill__find_edges(pbwfill__work *w)
     PBW_RELEASE(&w->memory, gone);
     if (status == PBW_OK) {
         pbwfill__list_members(w);
-        status = pbwfill__find_acute(w);
     }
     return status;
 }
@@ -1072,11 +1040,16 @@ static pbw_status pbwfill__insert(pbwfill__work *w, pbw_index vertex, pbw_index 
 /* ------------------------------------------------------------------------------------------------------
    >>segments     Points on segments until all of their pieces are edges.
    In: the Delaunay triangulation of the vertices.  Out: one in which every piece of a segment is an edge.
-   A piece that is no edge is split near where Si's rules say (Si and Gaertner 2005, "Meshing piecewise linear
-   complexes by constrained Delaunay tetrahedralizations"): as far from an end as the point in its diametral ball that
-   sees it under the largest angle, or in the middle; from acute ends of the segment equally far as that point, so
-   that segments that meet at an acute angle have points at the same distances from their corner.
+   A piece that is no edge is cut so that the vertices which it passes, and which are in the ball over it, are in the
+   balls over neither part: then nothing that was seen keeps these from being edges.  Where no cut does this, the middle
+   halves the problem.  A vertex on a segment that shares an end with this one would be called forth by the cut in its
+   turn, and so on: then both get the same distance from that end (Si and Gaertner 2005, "Meshing piecewise linear
+   complexes by constrained Delaunay tetrahedralizations").
    ------------------------------------------------------------------------------------------------------ */
+/* What is in the ball over a piece: the vertex that sees it under the largest angle, and its place along the piece;
+   cuts from low to high leave none in the balls over the parts.  From 0 to 1, from a to b. */
+typedef struct pbwfill__sight { pbw_index vertex; double at, low, high; } pbwfill__sight;
+
 static double pbwfill__distance(const double *p, const double *q)
 {
     const double x = p[0] - q[0], y = p[1] - q[1], z = p[2] - q[2];
@@ -1133,16 +1106,19 @@ static pbw_index pbwfill__step_along(const pbwfill__work *w, pbw_index t, pbw_in
     return PBW_NONE;
 }
 
-/* Of the corners of the tetrahedra that the piece passes, finds the one that sees it under the largest angle, at
-   least 90 degrees; PBW_NONE if there is none.  Of points on the piece it is the first one from a.  Returns 0 if the
-   piece is an edge. */
-static int pbwfill__find_reference(const pbwfill__work *w, const pbwfill__piece *piece, pbw_index *reference)
+/* Finds what the piece sees of the corners of the tetrahedra that it passes; the vertex is PBW_NONE if that is nothing.
+   Of points on the piece it is the first one from a.  Returns 0 if the piece is an edge.
+   With s for the place of a vertex along the piece and h for its distance from there, both by the piece's length, the
+   ball over the part from 0 to t does not hold it if s (t - s) <= h^2, and that over the rest likewise. */
+static int pbwfill__look_along(const pbwfill__work *w, const pbwfill__piece *piece, pbwfill__sight *sight)
 {
     const double *p = pbwfill__at(w, piece->a), *q = pbwfill__at(w, piece->b);
+    const double length = pbwfill__distance(p, q), square = length * length;
     pbw_index t = pbwfill__toward(w, piece->a, piece->b);
     double least = 0;
     unsigned k;
-    *reference = PBW_NONE;
+    sight->vertex = PBW_NONE;
+    sight->low = 0, sight->at = 0.5, sight->high = 1;
     if (pbwfill__corner_of(w->tets.at + t, piece->b) < 4) {
         return 0;
     }
@@ -1150,23 +1126,28 @@ static int pbwfill__find_reference(const pbwfill__work *w, const pbwfill__piece 
         const pbwfill__tet *tet = w->tets.at + t;
         for (k = 0; k < 4; k++) {
             const double *r = pbwfill__at(w, tet->v[k]);
-            double cosine;
+            double product, cosine, s, h;
             if (tet->v[k] == piece->a || tet->v[k] == piece->b) {
                 continue;
             }
-            cosine = (p[0] - r[0]) * (q[0] - r[0]) + (p[1] - r[1]) * (q[1] - r[1]) + (p[2] - r[2]) * (q[2] - r[2]);
-            if (cosine > 0) {
+            product = (p[0] - r[0]) * (q[0] - r[0]) + (p[1] - r[1]) * (q[1] - r[1]) + (p[2] - r[2]) * (q[2] - r[2]);
+            if (product > 0) {
                 continue;
             }
-            if (cosine < 0 && pbwfill__is_on_line(p, q, r)) {
-                *reference = tet->v[k];
+            if (product < 0 && pbwfill__is_on_line(p, q, r)) {
+                sight->vertex = tet->v[k];
                 return 1;
             }
-            cosine /= pbwfill__distance(p, r) * pbwfill__distance(q, r);
-            if (*reference == PBW_NONE || cosine < least
-                || (!(cosine > least) && tet->v[k] < *reference)) {
+            s = (r[0] - p[0]) * (q[0] - p[0]) + (r[1] - p[1]) * (q[1] - p[1]) + (r[2] - p[2]) * (q[2] - p[2]);
+            s /= square;
+            h = fmax(0, product / square + s * (1 - s));             /* h^2 */
+            sight->low = s < 1 ? fmax(sight->low, s - h / (1 - s)) : sight->low;
+            sight->high = s > 0 ? fmin(sight->high, s + h / s) : sight->high;
+            cosine = product / (pbwfill__distance(p, r) * pbwfill__distance(q, r));
+            if (sight->vertex == PBW_NONE || cosine < least || (!(cosine > least) && tet->v[k] < sight->vertex)) {
                 least = cosine;
-                *reference = tet->v[k];
+                sight->vertex = tet->v[k];
+                sight->at = s;
             }
         }
         t = pbwfill__corner_of(tet, piece->b) < 4 ? PBW_NONE : pbwfill__step_along(w, t, piece->a, piece->b);
@@ -1174,35 +1155,34 @@ static int pbwfill__find_reference(const pbwfill__work *w, const pbwfill__piece 
     return 1;
 }
 
-/* Where to split a piece, 0 to 1 from a to b; *near: how far from there will do.  At acute ends distances are to be
-   equal, or points there call each other forth. */
-static double pbwfill__split_at(const pbwfill__work *w, const pbwfill__piece *piece, pbw_index reference,
+/* Where to cut a piece, 0 to 1 from a to b; *near: how far from there will do. */
+static double pbwfill__split_at(const pbwfill__work *w, const pbwfill__piece *piece, const pbwfill__sight *sight,
                                 double *near)
 {
-    const double *a = pbwfill__at(w, piece->a), *b = pbwfill__at(w, piece->b), *r = pbwfill__at(w, reference);
-    const double length = pbwfill__distance(a, b), to_a = pbwfill__distance(a, r), to_b = pbwfill__distance(b, r);
-    int acute[2], k;
-    for (k = 0; k < 2; k++) {
-        acute[k] = w->acute.at[piece->ends[k]];
-    }
-    *near = acute[0] || acute[1] ? 1e-5 : 0.04;
-    if (acute[0] && acute[1]) {
-        const uint32_t half = 1u << (PBWFILL__STEPS - 1);
-        if (piece->from < half && piece->to > half) {
-            return 0.5;
+    const double least = 0.05;                       /* the shortest part that is cut off */
+    const size_t first = w->inputs + 8;
+    double t;
+    int side;
+    *near = 1e-5;
+    for (side = 0; side < 2 && sight->vertex != PBW_NONE && sight->vertex >= first; side++) {
+        const pbw_index *ends = w->ends_of.at + 2 * (sight->vertex - first), end = piece->ends[side];
+        const double *c = pbwfill__at(w, end), *r = pbwfill__at(w, sight->vertex), *from, *to;
+        if (ends[0] != end && ends[1] != end) {
+            continue;
         }
-        acute[piece->from < half ? 1 : 0] = 0;
+        from = pbwfill__at(w, side == 0 ? piece->a : piece->b);
+        to = pbwfill__at(w, side == 0 ? piece->b : piece->a);
+        t = (pbwfill__distance(c, r) - pbwfill__distance(c, from)) / pbwfill__distance(from, to);
+        return !(t > 0 && t < 1) ? 0.5 : side == 0 ? t : 1 - t;
     }
-    if (acute[0] || acute[1]) {
-        const double *c = pbwfill__at(w, piece->ends[acute[0] ? 0 : 1]), *from = acute[0] ? a : b;
-        const double *far = acute[0] ? b : a, t = (pbwfill__distance(c, r) - pbwfill__distance(c, from)) / length;
-        double x[3];
-        for (k = 0; k < 3; k++) {
-            x[k] = from[k] + t * (far[k] - from[k]);
-        }
-        return t >= 0.2 && t <= 0.8 && (1 - t) * length >= pbwfill__distance(x, r) ? (acute[0] ? t : 1 - t) : 0.5;
+    t = fmax(sight->low, fmin(sight->high, sight->at));
+    if (!(sight->low < sight->high && t >= least && t <= 1 - least)) {
+        t = 0.5;
+        *near = 0.04;
+    } else {
+        *near = fmax(*near, fmin(0.04, fmin(t - sight->low, sight->high - t)));
     }
-    return 2 * to_a <= length ? to_a / length : 2 * to_b <= length ? 1 - to_b / length : 0.5;
+    return t;
 }
 
 /* Cuts piece i at a vertex, the place `at` between its ends.  Returns the new piece, behind it; PBW_NONE without
@@ -1234,8 +1214,8 @@ static pbw_index pbwfill__cut_at_input(pbwfill__work *w, pbw_index i, pbw_index 
     return made;
 }
 
-/* Chooses the coarsest place near `want`, 0 to 1, in a piece, and adds the vertex there.  Returns its place; 0 if the
-   piece is too short, PBW_NONE without memory. */
+/* Chooses the coarsest place near `want`, 0 to 1, in a piece, and adds the vertex there; in the middle if that is an
+   end.  Returns its place; 0 if the piece is too short, PBW_NONE without memory. */
 static uint32_t pbwfill__add_split(pbwfill__work *w, const pbwfill__piece *piece, double want, double near)
 {
     const double span = (double)(piece->to - piece->from), middle = (double)piece->from + want * span;
@@ -1250,34 +1230,38 @@ static uint32_t pbwfill__add_split(pbwfill__work *w, const pbwfill__piece *piece
         }
     }
     if (e < 0 && !(at > piece->from && at < piece->to)) {
+        at = floor((double)piece->from + span / 2);
+    }
+    if (!(at > piece->from)) {
         return 0;
     }
     for (k = 0; k < 3; k++) {
         x[k] = p[k] + at * ldexp(1, -PBWFILL__STEPS) * (q[k] - p[k]);
     }
-    return pbwfill__new_vertex(w, x) ? (uint32_t)at : PBW_NONE;
+    return PBW_PUSH(&w->memory, w->ends_of, piece->ends[0]) && PBW_PUSH(&w->memory, w->ends_of, piece->ends[1])
+        && pbwfill__new_vertex(w, x) ? (uint32_t)at : PBW_NONE;
 }
 
 /* Splits piece i if it is no edge. */
 static pbw_status pbwfill__mend_piece(pbwfill__work *w, pbw_index i, pbwfill__indices *queue)
 {
-    pbw_index reference, made;
+    pbwfill__sight sight;
+    pbw_index made;
     const pbwfill__piece piece = w->pieces.at[i];
     const pbw_index vertex = (pbw_index)pbwfill__vertices(w);
-    double want = 0.5, near = 0.04;
-    uint32_t at;
-    if (!pbwfill__find_reference(w, &piece, &reference)) {
+    if (!pbwfill__look_along(w, &piece, &sight)) {
         return PBW_OK;
     }
-    if (reference != PBW_NONE && pbwfill__is_on_line(pbwfill__at(w, piece.a), pbwfill__at(w, piece.b),
-                                                     pbwfill__at(w, reference))) {
-        if (reference >= w->inputs || piece.from > 0 || piece.to < 1u << PBWFILL__STEPS) {
+    if (sight.vertex != PBW_NONE && pbwfill__is_on_line(pbwfill__at(w, piece.a), pbwfill__at(w, piece.b),
+                                                        pbwfill__at(w, sight.vertex))) {
+        if (sight.vertex >= w->inputs || piece.from > 0 || piece.to < 1u << PBWFILL__STEPS) {
             return pbwfill__refuse(w, PBW_FILL_CROSSING, PBW_NONE, PBW_NONE);
         }
-        made = pbwfill__cut_at_input(w, i, reference);
+        made = pbwfill__cut_at_input(w, i, sight.vertex);
     } else {
-        want = reference == PBW_NONE ? 0.5 : pbwfill__split_at(w, &piece, reference, &near);
-        at = pbwfill__add_split(w, &piece, want, near);
+        double near;
+        const double want = pbwfill__split_at(w, &piece, &sight, &near);
+        const uint32_t at = pbwfill__add_split(w, &piece, want, near);
         if (at == 0) {
             return pbwfill__refuse(w, PBW_FILL_TOO_FINE, w->edges.at[piece.edge].a, w->edges.at[piece.edge].b);
         }
@@ -1318,10 +1302,10 @@ static pbw_status pbwfill__recover_segments(pbwfill__work *w)
     pbwfill__indices queue = { NULL, 0, 0 };
     pbw_status status = PBW_OK;
     size_t i, round;
-    pbw_index reference;
+    pbwfill__sight sight;
     memset(w->touched.at, 1, w->touched.count);
     for (i = 0; i < w->pieces.count; i++) {
-        w->report->missing_segments += (size_t)pbwfill__find_reference(w, w->pieces.at + i, &reference);
+        w->report->missing_segments += (size_t)pbwfill__look_along(w, w->pieces.at + i, &sight);
     }
     for (round = 0; status == PBW_OK; round++) {
         if (!pbwfill__list_touched(w, &queue)) {
@@ -2022,8 +2006,8 @@ static pbw_status pbwfill__recover_facets(pbwfill__work *w)
    places within it.  The places on the positive side of all faces are convex, and the copy climbs there as far from
    the nearest plane as it can.
    ------------------------------------------------------------------------------------------------------ */
-enum { PBWFILL__WRAPPED = 60, PBWFILL__STAR = 1500 };      /* most faces of wedges that are wrapped; most tetrahedra
-                                                              at a point */
+enum { PBWFILL__WRAPPED = 60, PBWFILL__STAR = 1500 };      /* most faces of wedges that are wrapped first; most
+                                                              tetrahedra at a point */
 
 typedef struct pbwfill__sector { pbw_index triangle, x, y; int wedge; } pbwfill__sector;   /* the face v x y of the
                                                              triangle, the wedge is on its positive side */
@@ -2032,6 +2016,7 @@ typedef struct pbwfill__ear { pbw_index triangle, v[3]; } pbwfill__ear;        /
 typedef struct pbwfill__star {             /* of one vertex on an edge between the vertices a and b */
     pbw_index v, a, b;
     int wedges;
+    size_t wrapped;                        /* most faces of wedges that are wrapped */
     PBW_ARRAY(pbwfill__sector) sectors;
     PBW_ARRAY(pbwfill__ear) ears;
     pbwfill__indices polygon, before, after;         /* before, after: of each vertex that was added on an edge, the
@@ -2398,7 +2383,7 @@ static pbw_status pbwfill__fill_wedge(pbwfill__work *w, const pbwfill__star *sta
             w->sign.at[f->v[k]] = 1;
         }
     }
-    if (faces <= PBWFILL__WRAPPED) {
+    if (faces <= star->wrapped) {
         status = pbwfill__wrap(w, wedge, base + 3 * faces + 30, &floor);
     }
     if (status == PBW_DEGENERATE && may_copy && pbwfill__find_place(w, star, wedge, x)) {
@@ -2468,43 +2453,67 @@ static int pbwfill__list_chains(pbwfill__work *w, pbwfill__star *star)
     return 1;
 }
 
-/* Takes all added vertices off the edges, the last one first; then those off that can be spared inside. */
+/* Takes vertices before `count` off the edges, the last one first.  Counts in *taken, and in *left those that have to
+   stay; the last pass reports these. */
+static pbw_status pbwfill__clear_edges(pbwfill__work *w, pbwfill__star *star, size_t count, int last, size_t *taken,
+                                       size_t *left)
+{
+    pbw_status status = PBW_OK;
+    size_t i;
+    *taken = *left = 0;
+    for (i = count; i-- > w->inputs + 8 && status == PBW_OK;) {
+        int done = 0;
+        star->v = (pbw_index)i;
+        star->a = star->before.at[i];
+        star->b = star->after.at[i];
+        if (star->a == PBW_NONE) {
+            continue;                                /* on a wire, or off */
+        }
+        status = pbwfill__tick(w, (double)(count - i) / (double)count) ? PBW_CANCELLED
+               : pbwfill__remove(w, star, &done);
+        if (status == PBW_OK && done) {
+            star->before.at[i] = PBW_NONE;
+            if (star->a >= w->inputs) {
+                star->after.at[star->a] = star->b;
+            }
+            if (star->b >= w->inputs) {
+                star->before.at[star->b] = star->a;
+            }
+        } else if (status == PBW_OK && last) {
+            (void)pbwfill__refuse(w, PBW_FILL_POINTS_LEFT, w->members.at[w->facet_first.at[star->sectors.count > 0
+                                  ? star->sectors.at[0].triangle : 0]], PBW_NONE);
+        }
+        *taken += (size_t)done;
+        *left += (size_t)!done;
+    }
+    return status;
+}
+
+/* Takes all added vertices off the edges, with another pass over those that had to stay while some come off; then
+   those off that can be spared inside. */
 static pbw_status pbwfill__clear_surface(pbwfill__work *w)
 {
     pbwfill__star star;
     pbw_status status;
-    size_t i, count = pbwfill__vertices(w), last;
-    int done = 0;
+    const size_t count = pbwfill__vertices(w);
+    size_t i, taken = 1, left = 1;
+    int done;
     if (w->how.conforming) {
         return PBW_OK;
     }
     memset(&star, 0, sizeof star);
     status = pbwfill__list_chains(w, &star) ? PBW_OK : PBW_ERROR_MEMORY;
-    for (i = count; i-- > w->inputs + 8 && status == PBW_OK;) {
-        star.v = (pbw_index)i;
-        star.a = star.before.at[i];
-        star.b = star.after.at[i];
-        if (star.a == PBW_NONE) {
-            continue;                                /* on a wire */
-        }
-        status = pbwfill__tick(w, (double)(count - i) / (double)count) ? PBW_CANCELLED
-               : pbwfill__remove(w, &star, &done);
-        if (status == PBW_OK && done) {
-            if (star.a >= w->inputs) {
-                star.after.at[star.a] = star.b;
-            }
-            if (star.b >= w->inputs) {
-                star.before.at[star.b] = star.a;
-            }
-        }
-        if (status == PBW_OK && !done) {
-            (void)pbwfill__refuse(w, PBW_FILL_POINTS_LEFT, w->members.at[w->facet_first.at[star.sectors.count > 0
-                                  ? star.sectors.at[0].triangle : 0]], PBW_NONE);
-        }
+    star.wrapped = PBWFILL__WRAPPED;
+    while (status == PBW_OK && taken > 0 && left > 0) {
+        status = pbwfill__clear_edges(w, &star, count, 0, &taken, &left);
+        star.wrapped = PBWFILL__STAR;
     }
-    last = pbwfill__vertices(w);
+    if (status == PBW_OK && left > 0) {
+        status = pbwfill__clear_edges(w, &star, count, 1, &taken, &left);
+    }
     star.a = star.b = PBW_NONE;
-    for (i = last; i-- > count && status == PBW_OK;) {
+    star.wrapped = PBWFILL__WRAPPED;
+    for (i = pbwfill__vertices(w); i-- > count && status == PBW_OK;) {
         star.v = (pbw_index)i;
         if (w->at.at[i] != PBW_NONE) {
             status = pbwfill__tick(w, 1) ? PBW_CANCELLED : pbwfill__remove(w, &star, &done);
@@ -3190,7 +3199,7 @@ static void pbwfill__release(pbwfill__work *w)
     PBW_RELEASE(m, w->facet_of);
     PBW_RELEASE(m, w->facet_first);
     PBW_RELEASE(m, w->members);
-    PBW_RELEASE(m, w->acute);
+    PBW_RELEASE(m, w->ends_of);
     PBW_RELEASE(m, w->pieces);
     PBW_RELEASE(m, w->table.slots);
     PBW_RELEASE(m, w->borders.slots);
