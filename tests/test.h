@@ -41,6 +41,13 @@
 #endif
 #endif
 
+/* The size of a large input: a quarter under a sanitizer, which makes each point ten times as slow. */
+#if defined(TEST_SANITIZED)
+#define TEST_SIZE(n) ((n) / 4)
+#else
+#define TEST_SIZE(n) (n)
+#endif
+
 /* Tests of vector code are behind #ifdef PBW__SIMD: no processor with vectors may lose them by a name that changed. */
 #if defined(PBW__IMPLEMENTED) && defined(__GNUC__) && (defined(__x86_64__) || defined(__AARCH64EL__))
 #if !defined(PBW__SIMD) && !defined(PBW_NO_SIMD) && !defined(PBW__FMA)

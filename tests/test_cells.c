@@ -253,7 +253,7 @@ static void test_kinds(void)
                 if (kind != INPUT_MOMENT
                     && test_begin("whole: %dD %s, weights %s", dim, input_name(kind),
                                   input_weights_name(weights[w]))) {
-                    sites s = sites_make(kind, dim, 3000, weights[w]);
+                    sites s = sites_make(kind, dim, TEST_SIZE(3000), weights[w]);
                     const unsigned what = PBW_CELLS_FACETS | (w == 1 ? PBW_CELLS_SHAPES : 0);
                     pbw_options options = threads(2);
                     pbw_domain domain;
@@ -1471,15 +1471,15 @@ static void test_skews(void)
 
 static void test_periodics(void)
 {
-    static const size_t counts[7] = { 1, 2, 3, 10, 60, 500, 3000 };
+    static const size_t counts[7] = { 1, 2, 3, 10, 60, 500, TEST_SIZE(3000) };
     static const int weights[3] = { INPUT_WEIGHTS_ZERO, INPUT_WEIGHTS_HIDING, INPUT_WEIGHTS_HALF };
     unsigned axes;
     int dim, i, w;
     test_crowded();
-    test_slab(3, 1000, 100, 0);
+    test_slab(3, TEST_SIZE(1000), 100, 0);
     test_slab(3, 300, 1000, 1);
     test_slab(3, 60, 10000, 0);
-    test_slab(2, 1000, 1000, 0);
+    test_slab(2, TEST_SIZE(1000), 1000, 0);
     test_slab(2, 400, 5000, 1);
     for (dim = 2; dim <= 3; dim++) {
         for (i = 0; i < 7; i++) {
@@ -1489,11 +1489,11 @@ static void test_periodics(void)
                 }
             }
         }
-        test_periodic(dim, 2000, INPUT_CLUSTERS, INPUT_WEIGHTS_ZERO, (1u << dim) - 1);
-        test_periodic(dim, 2000, INPUT_CLUSTERS, INPUT_WEIGHTS_HIDING, 1);
-        test_periodic(dim, 1000, INPUT_LINES, INPUT_WEIGHTS_ZERO, (1u << dim) - 1);
+        test_periodic(dim, TEST_SIZE(2000), INPUT_CLUSTERS, INPUT_WEIGHTS_ZERO, (1u << dim) - 1);
+        test_periodic(dim, TEST_SIZE(2000), INPUT_CLUSTERS, INPUT_WEIGHTS_HIDING, 1);
+        test_periodic(dim, TEST_SIZE(1000), INPUT_LINES, INPUT_WEIGHTS_ZERO, (1u << dim) - 1);
         test_periodic(dim, 512, INPUT_LATTICE, INPUT_WEIGHTS_ZERO, (1u << dim) - 1);
-        test_periodic(dim, 1000, INPUT_SPHERE, INPUT_WEIGHTS_ZERO, (1u << dim) - 1);
+        test_periodic(dim, TEST_SIZE(1000), INPUT_SPHERE, INPUT_WEIGHTS_ZERO, (1u << dim) - 1);
         test_moved(dim, INPUT_UNIFORM, 300);
         test_moved(dim, INPUT_UNIFORM, 600);
         test_moved(dim, INPUT_LATTICE, dim == 3 ? 512 : 64);
@@ -1645,7 +1645,7 @@ static pbw_status compute(const sites *s, const pbw_mesh *mesh, const pbw_option
 static void test_threads(int dim, int kind, int weights)
 {
     if (test_begin("threads: %dD %s, weights %s", dim, input_name(kind), input_weights_name(weights))) {
-        sites s = sites_make(kind, dim, 20000, weights);
+        sites s = sites_make(kind, dim, TEST_SIZE(20000), weights);
         static const int counts[3] = { 1, 4, 8 };
         pbw_mesh mesh;
         pbw_cells cells[3];

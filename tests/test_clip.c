@@ -470,7 +470,7 @@ static void test_polygons(void)
             for (w = 0; w < (kind < 3 ? 3 : 1); w++) {
                 for (m = 0; m < 3; m++) {
                     for (many = 0; many < 2; many++) {
-                        sites s = sites_make(kinds[kind], many ? 3000 : 64, weights[w]);
+                        sites s = sites_make(kinds[kind], many ? TEST_SIZE(3000) : 64, weights[w]);
                         polygon_make(&p, shape, &state);
                         polygon_fit(&p, s.box, margins[m]);
                         snprintf(name, sizeof name, "%s: %d %s, weights %s, margin %g", polygon_names[shape],
@@ -687,7 +687,7 @@ static void test_fans(void)
     static polygon p;
     int k;
     if (test_begin("parts that touch in a corner where cells meet")) {
-        for (k = 0; k < 600; k++) {
+        for (k = 0; k < TEST_SIZE(600); k++) {
             uint64_t state = test_seed * 1000037 + (uint64_t)k;
             double x[2 * 24], volumes[24];
             const size_t first[2] = { 0, 3 };

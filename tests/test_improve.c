@@ -494,6 +494,7 @@ static void test_regions(void)
     const size_t count = 400;
     double *x = ball_points(count, 0), volume[2][2] = { { 0, 0 }, { 0, 0 } };
     unsigned char *marks = (unsigned char *)take(count);
+    pbw_improve_options how;
     pbw_index *regions;
     pbw_mesh mesh;
     pbw_tets in, out;
@@ -519,7 +520,9 @@ static void test_regions(void)
     }
     in.regions = regions;
     in.marks = marks;
-    CHECK_EQUAL(pbw_improve(&in, NULL, NULL, &out, NULL), PBW_OK);
+    memset(&how, 0, sizeof how);
+    how.passes = 3;
+    CHECK_EQUAL(pbw_improve(&in, &how, NULL, &out, NULL), PBW_OK);
     CHECK(is_sound(&out));
     for (i = 0; i < in.tet_count + out.tet_count; i++) {
         const pbw_tets *t = i < in.tet_count ? &in : &out;
@@ -620,13 +623,13 @@ static void test_frozen(unsigned char mark, double half, int sized)
     }
     for (i = 0; i < count; i++) {
         marks[i] = x[3 * i] >= half ? mark : PBW_TETS_FOUND;
-        sizes[i] = 0.1;
+        sizes[i] = 0.13;
     }
     in.regions = regions;
     in.marks = marks;
     how.passes = -1;
     CHECK_EQUAL(pbw_improve(&in, &how, NULL, &same, NULL), PBW_OK);
-    how.passes = 0;
+    how.passes = sized ? 2 : 0;
     how.sizes = sized ? sizes : NULL;
     CHECK_EQUAL(pbw_improve(&in, &how, NULL, &out, &report), PBW_OK);
     CHECK(is_sound(&out));

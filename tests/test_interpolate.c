@@ -180,7 +180,7 @@ static void test_random(void)
     static const int kinds[] = { INPUT_UNIFORM, INPUT_LATTICE, INPUT_CLUSTERS, INPUT_SPHERE, INPUT_PLANE,
                                  INPUT_ANISOTROPIC, INPUT_LINES };
     static const int weightings[] = { -1, INPUT_WEIGHTS_HIDING, INPUT_WEIGHTS_HALF, INPUT_WEIGHTS_LEVELS };
-    enum { N = 500, QUERIES = 300 };
+    enum { N = 500, QUERIES = 150 };
     double points[3 * N], queries[3 * QUERIES], weights[N];
     size_t kind, weighting, i;
     int dim, scheme;

@@ -402,6 +402,7 @@ static void test_trace(size_t count)
     }
 }
 
+#ifndef PBW_NO_SIMD
 /* Terrain has more tetrahedra than there are slots, so a round ends early.  The store then grows enough for the rest:
    a second early end would make 94 % of the vertices wait.  Tasks run one after another, so chance has no part. */
 static void test_growth(void)
@@ -421,6 +422,7 @@ static void test_growth(void)
         test_end();
     }
 }
+#endif
 
 /* A facet of a new simplex borders one that was tested and found outside; a lattice is full of ties, random points
    have none. */
@@ -765,7 +767,9 @@ int main(int argc, char **argv)
     test_refused_threads(count);
     test_failing_memory(count < 2000 ? count / 2 : count < 6000 ? 1000 : count / 6);     /* hundreds of builds */
     test_trace(count < 5000 ? 5000 : count);         /* in the plane fewer have but one level with rounds */
+#ifndef PBW_NO_SIMD
     test_growth();
+#endif
     test_counts(count);
     test_same_report(count);
     test_hidden_report(1000);                        /* few, so that many are the first of a part */
