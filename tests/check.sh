@@ -5,6 +5,7 @@ rm -rf "$work" && mkdir -p "$work" || exit 2
 check() {   # check NAME COMMAND...
     name=$1
     shift
+    [ -z "$VERBOSE" ] || times > "$work/began"
     if "$@" > "$work/out" 2>&1; then
         passed=$((passed + 1))
     else
@@ -12,6 +13,11 @@ check() {   # check NAME COMMAND...
         echo "FAILED $name"
         tail -n 8 "$work/out" | sed 's/^/    /'
     fi
+    [ -z "$VERBOSE" ] || { times > "$work/ended"; took "$name"; }
+}
+took() {    # took NAME: the processors' seconds of a check, with VERBOSE
+    cat "$work/began" "$work/ended" | tr 'ms' '  ' | awk -v name="$1" '{ t += (NR > 2 ? 1 : -1) * (60 * ($1 + $3) + $2 + $4) }
+        END { printf "%s: %.2f s of processors\n", name, t }'
 }
 in_full() { [ -n "$QUICK" ] || check "$@"; }            # what `make test` leaves to `make test-all`
 skip() { skipped=$((skipped + 1)); echo "skipped $1"; }
