@@ -1,6 +1,7 @@
-"""programs.py MODULE NAME KIND: reads the mesh NAME.KIND of the unit square or cube with meshio or VTK and compares
-it with NAME.node, .ele and .face; programs.py groups NAME: see check_groups; see programs.sh."""
+"""programs.py MODULE NAME.KIND...: reads these meshes of the unit square or cube with meshio or VTK and compares each
+with NAME.node, .ele and .face; programs.py groups NAME: see check_groups; see programs.sh."""
 import sys
+import traceback
 
 import numpy as np
 
@@ -157,12 +158,18 @@ def check_groups(name):
                                                                            for i in range(12)]
 
 
-def main(module, name, kind=None):
+def main(module, *paths):
     if module == "groups":
-        check_groups(name)
+        check_groups(*paths)
         return
     check = {"meshio": check_meshio, "vtk": check_vtk}[module]
-    check(Expected(name), "%s.%s" % (name, kind), kind)
+    for path in paths:
+        name, kind = path.rsplit(".", 1)
+        try:
+            check(Expected(name), path, kind)
+            print("%s is right" % path)
+        except Exception:
+            print("%s: %s" % (path, traceback.format_exc()))
 
 
 if __name__ == "__main__":
