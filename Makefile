@@ -25,7 +25,7 @@ SCRIPTS = $(filter packaging interface hashes examples asm oracle cells cmake cs
     python program programs queries seam tiles view web, $(patsubst tests/%.sh,%,$(wildcard tests/*.sh)))
 # `make test` leaves these to `make test-all`, and tells the scripts by QUICK that one compiler is enough; it leaves out
 # tests and scripts of WITHOUT, too.
-LONG = asm cmake csharp cuda install oracle programs view web
+LONG = asm cells cmake csharp cuda gappa install oracle programs view web
 SUITES = test test-all programs examples oracle asm arm names fuzz-long
 export CC CXX
 

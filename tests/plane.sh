@@ -436,11 +436,11 @@ all_stay() {    # all_stay COMMAND OPTION...: from every format, to every format
         stays fields.ele o8.ele regions "$@" && stays fields.inp o9.inp names "$@"
 }
 check "regions and groups stay: triangulated again" all_stay plane
-check "regions and groups stay: --size" all_stay plane --size .5
-check "regions and groups stay: --angle, --smooth" all_stay plane --angle 30 --smooth odt
+in_full "regions and groups stay: --size" all_stay plane --size .5
+in_full "regions and groups stay: --angle, --smooth" all_stay plane --angle 30 --smooth odt
 check "regions and groups stay: --coarsen" all_stay plane --size 2 --coarsen
 check "regions and groups stay: improve" all_stay improve
-check "regions and groups stay: --only-smooth" all_stay improve --smooth lloyd --only-smooth
+in_full "regions and groups stay: --only-smooth" all_stay improve --smooth lloyd --only-smooth
 {   # a flat .stl of two solids: each triangle has its own corners
     for name in left right; do
         echo "solid $name"

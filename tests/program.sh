@@ -382,7 +382,7 @@ brief() { target --target 40 --seconds 1e-9 && grep '; 0 passes$' said; }
 check "improve --seconds" brief
 after() { target "$@" && sed '1,/^before/d' said; }
 features() { after --target 40 > one && after --target 40 --feature-angle 100 > two && ! cmp one two; }
-check "improve --feature-angle" features
+in_full "improve --feature-angle" features
 check "improve --size" says 0 "edges split for sizes: " improve low.msh --size 0.15
 errors() {  # as many tetrahedra as --count says, about, where all errors are equal
     count=$(sed -n 's/^\([0-9]*\) tetrahedra in .*/\1/p' said) && yes 1 | head -n "$count" > errors &&
@@ -443,7 +443,7 @@ check "improve --size: a formula" graded improve even.msh --size '0.08+0.22*x^2'
 sed '1s/3 0 /3 1 /;2,$s/^\([^ ]* \([^ ]*\) [^ ]* [^ ]*\)/\1 \2/' even.node |
     awk 'NR > 1 && !/^#/ { $5 = 0.08 + 0.22 * $2 ^ 2 } 1' > sized.node
 cp even.ele sized.ele
-check "improve --size: a column" graded improve sized.ele --size '#4'
+in_full "improve --size: a column" graded improve sized.ele --size '#4'
 check "improve --size: a formula that is 0 somewhere" says 1 "it is 0 at point" improve even.msh --size '0.2*x'
 check "z is no place in the plane" says 2 'this is no formula from "z" on' plane p.csv --size 0.1+z
 for command in solid improve; do

@@ -292,7 +292,7 @@ check "an open body" says 1 "open.off: the surface is not closed" cells m.csv --
 check "a body without triangles" says 1 "not a surface of triangles" cells m.csv --clip m.csv -o c.csv
 check "rings in 3D" says 1 "2 coordinates where 3 are needed" cells m.csv --clip rings.csv -o c.csv
 
-# Every allocation failing, one in each run, with QUICK every seventh: reading, cells, writing.  Then nothing is
+# Every allocation failing, one in each run, with QUICK every 17th: reading, cells, writing.  Then nothing is
 # written, or what is right.
 cat > fails.c << 'END'
 #include <errno.h>
@@ -320,7 +320,7 @@ failing() {    # failing NUMBER: the run in which that allocation fails
         -o c.html
 }
 all_failing() {
-    k=1 last=0 hits=0 step=${QUICK:+7}
+    k=1 last=0 hits=0 step=${QUICK:+17}
     while failing $k > said 2>&1; code=$?; [ $((k - last)) -lt 60 ]; do
         if [ $code != 0 ]; then
             hits=$((hits + 1)) last=$k
