@@ -867,13 +867,14 @@ static void check_whole(const sites *s, const pbw_domain *domain, double whole)
 
 static void test_flats(void)
 {
-    static const double boxes[2][6] = { { 0, 0, 0, 14, 12, 13 }, { 2, -3, 1, 5, 30, 7 } };
+    static const double boxes[3][6] = { { 0, 0, 0, 14, 12, 13 }, { 2, -3, 1, 5, 30, 7 },
+                                        { -1, -1, -9000, 14, 12, 13 } };         /* the last one: deep */
     int dim, kind, weighted, b;
     for (dim = 2; dim <= 3; dim++) {
         for (kind = 0; kind < (dim == 2 ? 6 : FLATS); kind++) {
             for (weighted = 0; weighted < 2; weighted++) {
                 if (test_begin("flat points: %dD kind %d%s", dim, kind, weighted ? ", weighted" : "")) {
-                    for (b = 0; b < 2; b++) {
+                    for (b = 0; b < 3; b++) {
                         const size_t first[2] = { 0, 4 };
                         sites s = flat_sites(dim, kind, weighted);
                         pbw_domain domain;
@@ -884,6 +885,11 @@ static void test_flats(void)
                         memcpy(s.box + dim, boxes[b] + 3, (size_t)dim * sizeof *s.box);
                         domain.box = s.box;
                         check_counts(&s, &domain, 0);
+                        if (b == 2) {
+                            check_whole(&s, &domain, volume_of(dim, s.box));
+                            sites_free(&s);
+                            continue;
+                        }
                         for (p = 0; p < s.count && weighted; p++) {  /* so that no two planes coincide */
                             s.w[p] += 0.37 * (double)(p % 4);
                         }

@@ -4763,7 +4763,7 @@ static void pbwc__apex(int dim, int i, const double *low, const double *high, do
 static void pbwc__surround(const pbwc__job *job, double *low, double *high)
 {
     const size_t dim = (size_t)job->mesh->dim, count = job->mesh->point_count * dim;
-    const size_t corners = job->clip != NULL ? job->clip->count * dim : 2;
+    const size_t corners = job->clip != NULL ? job->clip->count * dim : dim;   /* else the low corner */
     size_t i, k;
     for (k = 0; k < dim; k++) {
         low[k] = high[k] = job->mesh->points[k];
