@@ -556,6 +556,12 @@ PBW_INLINE uint64_t pbw_random(uint64_t key, uint64_t i)
 #define PBW__FMA 1                         /* 0, by tests: without fused operations of our own, and without vectors */
 #endif
 
+#ifdef __CUDA_ARCH__
+#define PBW__TIMES(a, b) __dmul_rn(a, b)   /* nvcc fuses other products into sums */
+#else
+#define PBW__TIMES(a, b) ((a) * (b))
+#endif
+
 typedef struct pbw_pair { double head, tail; } pbw_pair;
 
 PBW_INLINE pbw_pair pbw_two_sum(double a, double b)
@@ -595,7 +601,7 @@ PBW_INLINE pbw_pair pbw_pair_times(pbw_pair a, pbw_pair b)
 {
     PBW__NOT_FUSED
     pbw_pair product = pbw_two_product(a.head, b.head);
-    return pbw_two_sum(product.head, product.tail + (a.head * b.tail + a.tail * b.head));
+    return pbw_two_sum(product.head, product.tail + (PBW__TIMES(a.head, b.tail) + PBW__TIMES(a.tail, b.head)));
 }
 
 PBW_INLINE pbw_pair pbw_pair_minor(pbw_pair a, pbw_pair b, pbw_pair c, pbw_pair d)           /* a d - b c */
@@ -612,7 +618,7 @@ PBWDEF int pbw_sign_of_products(const double *a, const double *b, int count);
    in pairs of doubles from exact differences, with a relative error of some 1e-26 L^3 / V, where L is the longest
    edge at corner 0 and V six times the volume (in the plane L^2, twice the area).  corner: dim + 1 points, positively
    oriented.  Returns 0 if V < 1e-14 L^3, and the centre may be far off. */
-PBWDEF int pbw_centre(int dim, const double *const *corner, const double *weight, double *centre);
+PBW__DEVICE PBWDEF int pbw_centre(int dim, const double *const *corner, const double *weight, double *centre);
 
 /* Corner k, 0 to 2, of the facet opposite to corner `facet` of a tetrahedron: the lowest first, counter-clockwise
    seen from outside.  {1,2,3}, {0,3,2}, {0,1,3}, {0,2,1}. */
@@ -673,6 +679,36 @@ typedef struct pbw_cuda_loop pbw_cuda_loop;
 extern pbw_status pbw_cuda_loop_create(const pbw_options *options, void *stream, pbw_triangulator *cpu,
                                        pbw_cuda_loop **loop);
 extern pbw_status pbw_cuda_loop_step(pbw_cuda_loop *loop, const pbw_cuda_points *points, pbw_cuda_mesh *mesh);
+/* Computes the cells of a mesh's points, with weights power cells, in a box or, with NULL, in the whole space.  box:
+   2*dim numbers in the host's memory, low corner, high corner.  The arrays are those of pbw_cells_of (pbw_cells.h),
+   byte for byte if coordinates are of sizes that it takes: with facets, volumes and centroids are summed in another
+   order than alone.  points: of the mesh.  cpu: for points in a box that span no simplex; NULL = these give
+   PBW_ERROR_BACKEND.  Other statuses are those of pbw_cells_of; on any but PBW_OK and PBW_DEGENERATE cells are left
+   empty.  Needs 1 kB of device memory a point in space.  Waits for the stream.
+   loop_cells: of the mesh of the last step.  The arrays belong to the loop until its next loop_cells: so centroids
+   can be the points of the next step.  All others are for pbw_cuda_cells_free.
+   of_host: of packed points in the host's memory, by the current device; the arrays are the host's, too.  options: as
+   for pbw_cuda_triangulate; memory_limit is for the mesh and for the cells, each, besides the points. */
+#define PBW_CUDA_FACETS 1u                 /* fill first, neighbors, areas */
+typedef struct pbw_cuda_cells {            /* start from {0}; arrays on the device, as in pbw_cells */
+    int dim;
+    size_t cell_count, facet_count;
+    double *volumes, *centroids;
+    size_t *first;
+    pbw_index *neighbors;
+    double *areas;
+    float milliseconds[5];                 /* device: stars, shares, sums, cut cells, all */
+    void *memory;                          /* private */
+} pbw_cuda_cells;
+extern pbw_status pbw_cuda_cells_of(const pbw_cuda_mesh *mesh, const pbw_cuda_points *points, const double *box,
+                                    unsigned what, const pbw_options *options, void *stream, pbw_triangulator *cpu,
+                                    pbw_cuda_cells *cells);
+extern pbw_status pbw_cuda_cells_of_host(int dim, const double *points, const double *weights, size_t count,
+                                         const double *box, unsigned what, const pbw_options *options,
+                                         pbw_triangulator *cpu, pbw_cuda_cells *cells);
+extern void pbw_cuda_cells_free(pbw_cuda_cells *cells, void *stream);
+extern pbw_status pbw_cuda_loop_cells(pbw_cuda_loop *loop, const pbw_cuda_points *points, const double *box,
+                                      unsigned what, pbw_cuda_cells *cells);
 extern void pbw_cuda_loop_free(pbw_cuda_loop *loop);
 #endif
 
@@ -853,12 +889,12 @@ PBW__INLINE double pbw__max_abs(double a, double b, double c, double d)
 }
 
 /* One instruction where possible, so that nothing needs libm. */
-PBW__HOST_INLINE double pbw__square_root(double x)
+PBW__INLINE double pbw__square_root(double x)
 {
-#if defined(__SSE2__)
+#if defined(__SSE2__) && !defined(__CUDA_ARCH__)
     const __m128d y = _mm_set_sd(x);
     return _mm_cvtsd_f64(_mm_sqrt_sd(y, y));
-#elif defined(__aarch64__) && defined(__GNUC__)
+#elif defined(__aarch64__) && defined(__GNUC__) && !defined(__CUDA_ARCH__)
     double y;
     __asm__("fsqrt %d0, %d1" : "=w"(y) : "w"(x));
     return y;
@@ -8910,9 +8946,9 @@ PBWDEF int pbw_sign_of_products(const double *a, const double *b, int count)
 
 /* With B, C, D the other corners relative to the first one, a, and B2 = |B|^2 - (w_b - w_a), and so on,
        centre = (B2 CxD + C2 DxB + D2 BxC) / (2 B.CxD). */
-PBWDEF int pbw_centre(int dim, const double *const *corner, const double *weight, double *centre)
+PBW__DEVICE PBWDEF int pbw_centre(int dim, const double *const *corner, const double *weight, double *centre)
 {
-    static const pbw_pair zero = { 0.0, 0.0 };
+    const pbw_pair zero = { 0.0, 0.0 };
     pbw_pair row[3][3], height[3], minor[3][3], sum[3] = { { 0.0, 0.0 }, { 0.0, 0.0 }, { 0.0, 0.0 } }, det = zero;
     double largest = 0.0, least;
     int i, k;
@@ -8922,7 +8958,7 @@ PBWDEF int pbw_centre(int dim, const double *const *corner, const double *weight
         for (k = 0; k < dim; k++) {
             row[i][k] = pbw_two_sum(corner[i + 1][k], -corner[0][k]);
             height[i] = pbw_pair_plus(height[i], pbw_pair_times(row[i][k], row[i][k]));
-            square += row[i][k].head * row[i][k].head;
+            square += PBW__TIMES(row[i][k].head, row[i][k].head);
         }
         largest = pbw__max(largest, square);
     }
@@ -9657,7 +9693,7 @@ PBWDEF pbw_status pbw_triangulatef(int dim, const float *points, const float *we
    >>history
    0.2.0   2026-11-28   New: pbw_for, pbw_order, pbw_conflict2, pbw_conflict3, pbw_hash_parts; the base of the
                         companions, pbw_memory to PBW_FACET_CORNER; PBW_CURVE_ORDER and mesh.original, PBW_BORROW;
-                        PBW_STAGE_WORK; loops of pbw_cuda.cu; pbw_job.memory_limit.
+                        PBW_STAGE_WORK; loops and cells of pbw_cuda.cu; pbw_job.memory_limit.
                         Changed: pbw_hash takes options, and is 0 for what is no mesh; arguments are checked before
                         progress is called.
                         Queries are in pbw_query.h, live triangulations in pbw_live.h, pbw_check in pbw_check.h:

@@ -3,7 +3,9 @@
    Build:  nvcc -O3 -I. -Iexamples/lib -c pbw_cuda.cu, or without -I beside pbw.h and pbw_check.h
            (compute capability 7.0 or later; CUDA 11.7 or later)
    Use:    options.backend = pbw_cuda_backend(0), or pbw_cuda_backend_multi for several devices,
-           or pbw_cuda_triangulate for points on the device, or pbw_cuda_loop_step for points that move.
+           or pbw_cuda_triangulate for points on the device, or pbw_cuda_loop_step for points that move;
+           pbw_cuda_cells_of for the Voronoi or power cells of points on the device, pbw_cuda_cells_of_host for those
+           of points in the memory of the host.
 
    The result equals that of the CPU byte for byte, because it is a function of the points alone (see CONVENTIONS in
    pbw.h) and every sign that it depends on is exact.
@@ -56,6 +58,9 @@
         ranks of their corners do (>>keep).
      4. If there is none that passes, the stars are built.
 
+   CELLS.  The bytes are those of pbw_cells.h, as each sum has the same terms in the same order.  Cells that the box
+   does not cut are sums over simplices (>>centres); each of the others is cut by a warp (>>polytopes, >>diagram).
+
    MEMORY.  Device memory comes from the pool of the current device, at most options.memory_limit bytes of it.  If
    that is too little, which is known before the stars and before the output, the message says the bytes needed and
    available, and under PBW_BACKEND_OR_CPU the CPU takes over.
@@ -75,10 +80,15 @@
      >>cells     simplices, neighbours, incident simplices
      >>check     the exact verdict on a mesh
      >>keep      a mesh whose points have moved, put into the order of the curve again
+     >>centres   cells: centres of simplices, what simplices add to the cells of their corners
+     >>polytopes cells: a polytope cut by planes
+     >>diagram   cells: the star of a vertex, and its cell
+     >>polygons  cells in the plane
      >>run       the stages in order
      >>backend   a job of pbw.h on one card or several
      >>local     points on the device: triangulate, free, check
      >>loop      points that move
+     >>dual      the calls for cells
 */
 #include <cuda_runtime.h>
 
@@ -103,6 +113,8 @@
 #include <utility>
 
 #define DEVICE __device__ __forceinline__            /* a function of kernels: its arguments stay in registers */
+#define DEVICE_CALL __device__ __noinline__          /* one that is seldom called */
+#define HOST_DEVICE __host__ __device__ inline
 
 #ifndef PBW_CUDA_FEW
 #define PBW_CUDA_FEW 1024                            /* fewer points are quicker on the CPU */
@@ -4722,6 +4734,1592 @@ bool keep_last(call &c, const input &in, const space &s, uint32_t *id)
 }
 
 /* ------------------------------------------------------------------------------------------------------
+   >>centres      Cells: numbers, the centres of simplices, what a simplex adds to the cells of its corners.
+   In: a mesh on the device, points, a box.  Out: the sums of cells inside of the box; which cells are left.
+   Holds: these rooms compute what pbw_cells.h computes, by the same expressions in the same order: the same bytes.
+   So no product may be fused into a sum, which `real` prevents.
+
+   Formulas and their derivation are in >>centres and >>shares of pbw_cells.h.
+     1. A thread a simplex computes its centre, and what it adds to the cells of its corners.
+     2. Pairs (vertex, 4 simplex + corner) are sorted: the simplices at each vertex, ascending.
+     3. Four lanes a vertex add up x, y, z and the volume, in that order, with a sum for each chunk of 16384.
+     4. Vertices with a centre outside of the box, or at the hull, are left: their cells need their stars.
+   ------------------------------------------------------------------------------------------------------ */
+/* A double, of which each operation is rounded. */
+struct real {
+    double value;
+    real() = default;
+    __host__ __device__ real(double from) : value(from) {}
+};
+
+#ifdef __CUDA_ARCH__
+#define PBW_CUDA_REAL(symbol, rounded, plain) \
+    DEVICE real operator symbol(real a, real b) { return rounded(a.value, b.value); }
+#else
+#define PBW_CUDA_REAL(symbol, rounded, plain) \
+    __host__ __device__ inline real operator symbol(real a, real b) { return plain; }
+#endif
+PBW_CUDA_REAL(+, __dadd_rn, a.value + b.value)
+PBW_CUDA_REAL(-, __dsub_rn, a.value - b.value)
+PBW_CUDA_REAL(*, __dmul_rn, a.value * b.value)
+PBW_CUDA_REAL(/, __ddiv_rn, a.value / b.value)
+
+DEVICE real operator-(real a) { return -a.value; }
+DEVICE void operator+=(real &a, real b) { a = a + b; }
+DEVICE void operator-=(real &a, real b) { a = a - b; }
+DEVICE bool operator<(real a, real b) { return a.value < b.value; }
+DEVICE bool operator>(real a, real b) { return a.value > b.value; }
+DEVICE real size_of(real a) { return fabs(a.value); }
+DEVICE real root_of(real a) { return sqrt(a.value); }
+
+DEVICE real dot(const real *a, const real *b)
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+DEVICE void cross(const real *s, const real *t, real *x)
+{
+    x[0] = s[1] * t[2] - s[2] * t[1];
+    x[1] = s[2] * t[0] - s[0] * t[2];
+    x[2] = s[0] * t[1] - s[1] * t[0];
+}
+
+struct alignas(16) sums {                            /* of a cell: moments * 24 (2D: 6), volume * 6 (2D: 2) */
+    real at[4];
+};
+
+/* A diagram in a box, or in the whole space: then nothing is bounded, and low and high are infinite. */
+struct diagram {
+    const uint32_t *simplices, *neighbors, *incident;
+    const double *points, *weights;                  /* weights: NULL = none */
+    uint32_t simplex_count, count;                   /* count: cells, of the first points */
+    bool bounded;
+    double low[3], high[3], slack[3], extent[3];     /* slack: for the rounding of the box */
+    double *volumes, *centroids;
+};
+
+const unsigned good_centre = 1, inside_box = 2;
+
+/* Whether a + x is certainly in the box. */
+template <int DIM> DEVICE bool is_inside(const diagram &d, const double *a, const real *x)
+{
+    real radius = 0.0;
+    bool inside = true;
+    for (int k = 0; k < DIM; k++) {
+        radius += size_of(x[k]);
+    }
+    for (int k = 0; k < DIM; k++) {                  /* if in doubt, cut */
+        const real at = real(a[k]) + x[k], slack = real(1e-12) * radius + d.slack[k];
+        inside = inside && at - d.low[k] > slack && real(d.high[k]) - at > slack;
+    }
+    return inside;
+}
+
+/* The centre of a simplex by pairs of doubles; returns whether it is good. */
+template <int DIM> DEVICE_CALL bool exact_centre(const diagram &d, const uint32_t *corner, real *centre)
+{
+    const double *at[4];
+    double weight[4], x[3];
+    for (int i = 0; i <= DIM; i++) {
+        at[i] = d.points + (size_t)corner[i] * DIM;
+        weight[i] = d.weights != NULL ? d.weights[corner[i]] : 0.0;
+    }
+    const bool is_good = pbw_centre(DIM, at, d.weights != NULL ? weight : NULL, x) != 0;
+    for (int k = 0; k < DIM; k++) {
+        centre[k] = x[k];
+    }
+    return is_good;
+}
+
+DEVICE bool is_thick(real det, real largest)
+{
+    return det > 0.0 && det * det > real(1e-12) * largest * largest * largest;
+}
+
+/* The centre relative to the first corner; returns its flags. */
+template <int DIM> DEVICE unsigned centre_of(const diagram &d, uint32_t simplex, real *centre)
+{
+    const uint32_t *corner = d.simplices + (size_t)simplex * (DIM + 1);
+    const double *a = d.points + (size_t)corner[0] * DIM;
+    real r[DIM][DIM], height[DIM], largest = 0.0;
+    bool is_good;
+    for (int i = 0; i < DIM; i++) {
+        const double *b = d.points + (size_t)corner[i + 1] * DIM;
+        height[i] = 0.0;
+        for (int k = 0; k < DIM; k++) {
+            r[i][k] = real(b[k]) - a[k];
+            height[i] += r[i][k] * r[i][k];
+        }
+        largest = height[i] > largest ? height[i] : largest;
+        if (d.weights != NULL) {
+            height[i] -= real(d.weights[corner[i + 1]]) - d.weights[corner[0]];
+        }
+    }
+    if (DIM == 2) {
+        const real det = r[0][0] * r[1][1] - r[0][1] * r[1][0];
+        is_good = det > real(1e-6) * largest;
+        centre[0] = (height[0] * r[1][1] - height[1] * r[0][1]) / (real(2.0) * det);
+        centre[1] = (height[1] * r[0][0] - height[0] * r[1][0]) / (real(2.0) * det);
+    } else {
+        real m[3][3];
+        for (int i = 0; i < 3; i++) {
+            cross(r[(i + 1) % 3], r[(i + 2) % 3], m[i]);
+        }
+        const real det = dot(r[0], m[0]);
+        is_good = is_thick(det, largest);
+        for (int k = 0; k < 3; k++) {
+            centre[k] = (height[0] * m[0][k] + height[1] * m[1][k] + height[2] * m[2][k]) * (real(0.5) / det);
+        }
+    }
+    is_good = is_good || exact_centre<DIM>(d, corner, centre);
+    return (is_good ? good_centre : 0) | (is_good && is_inside<DIM>(d, a, centre) ? inside_box : 0);
+}
+
+/* A simplex: edges 01 02 03 12 13 23, facets across from the corners. */
+struct simplex_geometry {
+    real edge[6][3], square[6], weight[4];
+    real foot[6];                                    /* of the plane between the cells, along the edge */
+    real normal[4][3], drop[4];
+    real to[4][3];                                   /* from the corners to the centre */
+    real sum[4][4];                                  /* for the corners */
+    real given[6];
+};
+
+/* {0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3} */
+DEVICE int edge_end(int edge, int end)
+{
+    return end == 0 ? (edge > 2) + (edge > 4) : edge < 3 ? edge + 1 : edge == 3 ? 2 : 3;
+}
+
+template <bool WEIGHTED> DEVICE void load_simplex(const diagram &d, const uint32_t *corner, simplex_geometry &g)
+{
+    real x[4][3];
+#pragma unroll
+    for (int i = 0; i < 4; i++) {
+        for (int k = 0; k < 3; k++) {
+            x[i][k] = d.points[(size_t)corner[i] * 3 + (size_t)k];
+        }
+        g.weight[i] = WEIGHTED ? d.weights[corner[i]] : 0.0;
+    }
+#pragma unroll
+    for (int e = 0; e < 6; e++) {
+        const int i = edge_end(e, 0), j = edge_end(e, 1);
+        for (int k = 0; k < 3; k++) {
+            g.edge[e][k] = x[j][k] - x[i][k];
+        }
+        g.square[e] = dot(g.edge[e], g.edge[e]);
+        g.given[e] = g.square[e] - g.square[e];
+        g.foot[e] = 0.5;
+        if (WEIGHTED) {
+            g.foot[e] = real(0.5) + (g.weight[i] - g.weight[j]) / (real(2.0) * g.square[e]);
+        }
+    }
+}
+
+/* The normals and the centre; returns its flags. */
+template <bool WEIGHTED>
+DEVICE unsigned find_centre(const diagram &d, const uint32_t *corner, simplex_geometry &g)
+{
+    real height[3];
+#pragma unroll
+    for (int i = 0; i < 3; i++) {
+        cross(g.edge[(i + 1) % 3], g.edge[(i + 2) % 3], g.normal[i + 1]);
+        height[i] = g.square[i];
+        if (WEIGHTED) {
+            height[i] -= g.weight[i + 1] - g.weight[0];
+        }
+    }
+    const real det = dot(g.edge[0], g.normal[1]), most = g.square[0] > g.square[1] ? g.square[0] : g.square[1];
+    const real largest = most > g.square[2] ? most : g.square[2];
+#pragma unroll
+    for (int k = 0; k < 3; k++) {
+        g.normal[0][k] = -(g.normal[1][k] + g.normal[2][k] + g.normal[3][k]);
+        g.to[0][k] = (height[0] * g.normal[1][k] + height[1] * g.normal[2][k] + height[2] * g.normal[3][k])
+                     * (real(0.5) / det);
+    }
+    bool is_good = is_thick(det, largest);
+    if (!is_good) {
+        real centre[3];                              /* by its address: the rest stays in registers */
+        is_good = exact_centre<3>(d, corner, centre);
+        for (int k = 0; k < 3; k++) {
+            g.to[0][k] = centre[k];
+        }
+    }
+    is_good = is_good && largest > 1e-60 && largest < 1e60;          /* else products may be out of range */
+    return (is_good ? good_centre : 0)
+         | (is_good && is_inside<3>(d, d.points + (size_t)corner[0] * 3, g.to[0]) ? inside_box : 0);
+}
+
+/* Adds what facet f with corners i < j < k contributes; edges: ij, ik, jk. */
+template <bool WEIGHTED> DEVICE void add_facet(simplex_geometry &g, int f)
+{
+    const int corner[3] = { f == 0, 1 + (f < 2), 2 + (f < 3) };
+    const int edge[3] = { f == 0 ? 3 : f == 1 ? 1 : 0, f == 0 ? 4 : f == 3 ? 1 : 2, f < 2 ? 5 : f == 2 ? 4 : 3 };
+    const real *ij = g.edge[edge[0]], *ik = g.edge[edge[1]], *jk = g.edge[edge[2]], *square = g.square;
+    const real half = real(0.5) * g.drop[f];
+    const real at[3] = { dot(ij, ik), -dot(ij, jk), dot(ik, jk) };
+    real part[3], h[3] = { square[edge[0]] * at[2], square[edge[1]] * at[1], square[edge[2]] * at[0] };
+    if (WEIGHTED) {
+        const real wj = g.weight[corner[1]] - g.weight[corner[0]], wk = g.weight[corner[2]] - g.weight[corner[0]];
+        h[0] -= square[edge[0]] * wk - at[0] * wj;
+        h[1] -= square[edge[1]] * wj - at[0] * wk;
+        h[2] += square[edge[2]] * wj + at[1] * (wk - wj);
+    }
+    for (int i = 0; i < 3; i++) {
+        h[i] = h[i] * half;
+        g.given[edge[i]] += h[i];
+    }
+    if (WEIGHTED) {
+        const real one = 1.0, a = g.foot[edge[0]], b = g.foot[edge[1]], c = g.foot[edge[2]];
+        part[0] = a * h[0] + b * h[1];
+        part[1] = (one - a) * h[0] + c * h[2];
+        part[2] = (one - b) * h[1] + (one - c) * h[2];
+    } else {
+        part[0] = real(0.5) * (h[0] + h[1]);
+        part[1] = real(0.5) * (h[0] + h[2]);
+        part[2] = real(0.5) * (h[1] + h[2]);
+    }
+    for (int i = 0; i < 3; i++) {
+        const real drop = part[i] * g.drop[f];
+        for (int k = 0; k < 3; k++) {
+            g.sum[corner[i]][k] -= drop * g.normal[f][k];
+        }
+        g.sum[corner[i]][3] += part[i];
+    }
+}
+
+template <bool WEIGHTED> DEVICE void sum_corners(simplex_geometry &g)
+{
+#pragma unroll
+    for (int i = 0; i < 4; i++) {
+        for (int k = 0; k < 4; k++) {
+            g.sum[i][k] = 0.0;
+            if (i > 0 && k < 3) {
+                g.to[i][k] = g.to[0][k] - g.edge[i - 1][k];
+            }
+        }
+    }
+#pragma unroll
+    for (int i = 0; i < 4; i++) {
+        g.drop[i] = dot(g.to[i == 0], g.normal[i]) / dot(g.normal[i], g.normal[i]);
+        add_facet<WEIGHTED>(g, i);
+    }
+#pragma unroll
+    for (int e = 0; e < 6; e++) {
+        const real one = 1.0, foot = g.foot[e];
+        const real first = WEIGHTED ? g.given[e] * foot * foot : real(0.25) * g.given[e];
+        const real second = WEIGHTED ? g.given[e] * (one - foot) * (one - foot) : first;
+        for (int k = 0; k < 3; k++) {
+            g.sum[edge_end(e, 0)][k] += first * g.edge[e][k];
+            g.sum[edge_end(e, 1)][k] -= second * g.edge[e][k];
+        }
+    }
+#pragma unroll
+    for (int i = 0; i < 4; i++) {
+        for (int k = 0; k < 3; k++) {
+            g.sum[i][k] += real(2.0) * g.sum[i][3] * g.to[i][k];
+        }
+    }
+}
+
+/* What simplices add to the cells of their corners. */
+struct contributions {
+    sums *sum[4];                                    /* per corner, of each simplex */
+    unsigned char *left;                             /* per vertex: is its cell left? */
+};
+
+template <bool WEIGHTED>
+DEVICE void contribute(const diagram &d, const contributions &out, uint32_t simplex)
+{
+    simplex_geometry g;
+    uint32_t corner[4], next[4];
+    for (int i = 0; i < 4; i++) {
+        corner[i] = d.simplices[4 * (size_t)simplex + (size_t)i];
+        next[i] = d.neighbors[4 * (size_t)simplex + (size_t)i];
+    }
+    load_simplex<WEIGHTED>(d, corner, g);
+    const unsigned flags = find_centre<WEIGHTED>(d, corner, g);
+    const bool all = (flags & (d.bounded ? inside_box : good_centre)) == 0;
+    sum_corners<WEIGHTED>(g);
+#pragma unroll
+    for (int i = 0; i < 4; i++) {
+        const bool at_hull = next[(i + 1) & 3] == none || next[(i + 2) & 3] == none || next[(i + 3) & 3] == none;
+        sums sum;
+        for (int k = 0; k < 4; k++) {
+            sum.at[k] = g.sum[i][k];
+        }
+        out.sum[i][simplex] = sum;
+        if (all || at_hull) {
+            out.left[corner[i]] = 1;
+        }
+    }
+}
+
+/* A coordinate, not -0, as in meshes of the host. */
+DEVICE real coordinate(const diagram &d, size_t i)
+{
+    return real(d.points[i]) + 0.0;
+}
+
+/* Sets the volume and the centroid of v by its sums. */
+template <int DIM> DEVICE void set_cell(const diagram &d, uint32_t v, const real *sum)
+{
+    const bool some = sum[3] > 0.0;
+    d.volumes[v] = some ? (sum[3] / (DIM == 3 ? 6.0 : 2.0)).value : 0.0;
+    for (int k = 0; k < DIM; k++) {
+        const size_t at = (size_t)v * DIM + (size_t)k;
+        const real site = coordinate(d, at);
+        d.centroids[at] = (some ? site + sum[k] / (sum[3] * (DIM == 3 ? 4.0 : 3.0)) : site).value;
+    }
+}
+
+/* The cell of a vertex without an end: its volume is infinite. */
+template <int DIM> DEVICE void set_unbounded(const diagram &d, uint32_t v)
+{
+    const real nothing[4] = { 0.0, 0.0, 0.0, 0.0 };
+    set_cell<DIM>(d, v, nothing);
+    d.volumes[v] = HUGE_VAL;
+}
+
+const int contribute_block = 128;
+
+template <bool WEIGHTED>
+__global__ void __launch_bounds__(contribute_block) contribute_kernel(const diagram d, const contributions out)
+{
+    if (thread_number() < d.simplex_count) {
+        contribute<WEIGHTED>(d, out, (uint32_t)thread_number());
+    }
+}
+
+/* first[v], ..., first[v + 1] - 1: the entries of v in the sorted pairs. */
+__global__ void find_first_kernel(const uint32_t *vertex, size_t entries, uint32_t *first, uint32_t count)
+{
+    const size_t i = thread_number();
+    if (i <= entries) {
+        const uint32_t before = i > 0 ? vertex[i - 1] + 1 : 0, here = i < entries ? vertex[i] : count;
+        for (uint32_t v = before; v <= here && v <= count; v++) {
+            first[v] = (uint32_t)i;
+        }
+    }
+}
+
+/* The simplices at each vertex. */
+struct stars {
+    const uint32_t *first, *entry;
+};
+
+const uint32_t chunk_bits = 14;                      /* simplices of a chunk of pbw_cells.h: 2^14 */
+
+__global__ void sum_kernel(const diagram d, const contributions in, const stars s, const queue left)
+{
+    const size_t v = thread_number() / 4;
+    const int k = (int)(threadIdx.x & 3);
+    const bool go = v < d.count;
+    const uint32_t end = go ? s.first[v + 1] : 0, begin = go ? s.first[v] : 0;
+    uint32_t chunk = begin < end ? s.entry[begin] >> (chunk_bits + 2) : 0;
+    real part = 0.0, sum[4], all = 0.0;
+    for (uint32_t i = begin; i < end; i++) {
+        const uint32_t entry = s.entry[i];
+        if (entry >> (chunk_bits + 2) != chunk) {
+            chunk = entry >> (chunk_bits + 2);
+            all = part + all;
+            part = 0.0;
+        }
+        part += in.sum[entry & 3][entry >> 2].at[k];
+    }
+    all = part + all;
+    for (int i = 0; i < 4; i++) {
+        sum[i] = __shfl_sync(all_lanes, all.value, i, 4);
+    }
+    const bool is_left = go && begin < end && in.left[v] != 0;
+    if (go && !is_left && k == 0) {
+        set_cell<3>(d, (uint32_t)v, sum);
+    }
+    int length = 0;
+    const int at = append<32>(is_left && k == 0, length);
+    uint32_t base = 0;
+    if (length > 0 && (threadIdx.x & 31) == 0) {
+        base = atomicAdd(left.count, (uint32_t)length);
+    }
+    base = __shfl_sync(all_lanes, base, 0);
+    if (is_left && k == 0) {
+        left.vertex[base + (uint32_t)at] = (uint32_t)v;
+    }
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   >>polytopes    Cells: a polytope cut by planes, by a warp.
+   In: corners and facets of a convex polytope, a plane.  Out: the part on one side of it; the sums of the cell.
+   Holds: corners, facets and the entries of their loops have the numbers that >>polytopes of pbw_cells.h gives them.
+
+   A facet is a loop of corners, counter-clockwise from outside.  Corners are never moved; those cut off stay, in no
+   loop.  The lanes share the entries of all loops.  A cut:
+     1. The distance of each corner from the plane.
+     2. The loops without the corners beyond.  Where an edge crosses the plane, an entry stays open.
+     3. The crossings in order: the first one of an edge makes a corner, and fills the open entries of the edge.
+     4. Neighbours on the plane are an edge of the cap, which has it the other way round.
+   ------------------------------------------------------------------------------------------------------ */
+/* Calls f(i) for all i below count, one a lane. */
+template <typename F> DEVICE void warp_each(uint32_t count, F f)
+{
+    for (uint32_t i = threadIdx.x & 31; i < count; i += 32) {
+        f(i);
+    }
+    __syncwarp();
+}
+
+/* Calls f by one lane. */
+template <typename F> DEVICE void warp_once(F f)
+{
+    if ((threadIdx.x & 31) == 0) {
+        f();
+    }
+    __syncwarp();
+}
+
+/* Calls put(i, flags(i), how many before i have bit 0, how many have bit 1); returns those of all. */
+template <typename F, typename P> DEVICE uint2 warp_number(uint32_t count, F flags, P put)
+{
+    const uint32_t lane = threadIdx.x & 31;
+    uint2 sum = { 0, 0 };
+    for (uint32_t from = 0; from < count; from += 32) {
+        const uint32_t i = from + lane;
+        const unsigned mine = i < count ? flags(i) : 0;
+        const unsigned one = __ballot_sync(all_lanes, mine & 1), two = __ballot_sync(all_lanes, mine & 2);
+        if (i < count) {
+            put(i, mine, sum.x + __popc(one & lanes_below<32>()), sum.y + __popc(two & lanes_below<32>()));
+        }
+        sum.x += __popc(one);
+        sum.y += __popc(two);
+    }
+    __syncwarp();
+    return sum;
+}
+
+/* Calls put(i, the sum of get(0), ..., get(i - 1)); returns that of all. */
+template <typename F, typename P> DEVICE uint32_t warp_sum_before(uint32_t count, F get, P put)
+{
+    const uint32_t lane = threadIdx.x & 31;
+    uint32_t sum = 0;
+    for (uint32_t from = 0; from < count; from += 32) {
+        const uint32_t mine = from + lane < count ? get(from + lane) : 0;
+        uint32_t upto = mine;
+        for (int step = 1; step < 32; step *= 2) {
+            const uint32_t other = __shfl_up_sync(all_lanes, upto, step);
+            upto += lane >= step ? other : 0;
+        }
+        if (from + lane < count) {
+            put(from + lane, sum + upto - mine);
+        }
+        sum += __shfl_sync(all_lanes, upto, 31);
+    }
+    __syncwarp();
+    return sum;
+}
+
+/* Adds the terms get(i, term) to four sums, in the order of i.  room: for 128 numbers. */
+template <typename F> DEVICE void warp_add_in_order(uint32_t count, real *room, F get, real *sum)
+{
+    const uint32_t lane = threadIdx.x & 31;
+    real mine = sum[lane & 3];
+    for (uint32_t from = 0; from < count; from += 32) {
+        real term[4] = { 0.0, 0.0, 0.0, 0.0 };       /* added, it changes nothing: no sum is -0 */
+        if (from + lane < count) {
+            get(from + lane, term);
+        }
+        for (int k = 0; k < 4; k++) {
+            room[4 * lane + k] = term[k];
+        }
+        __syncwarp();
+        for (uint32_t i = 0; i < 32 && from + i < count; i++) {
+            mine += room[4 * i + (lane & 3)];
+        }
+        __syncwarp();
+    }
+    for (int k = 0; k < 4; k++) {
+        sum[k] = __shfl_sync(all_lanes, mine.value, k);
+    }
+}
+
+DEVICE void max_at(uint32_t *at, uint32_t value) { atomicMax(at, value); }
+DEVICE void min_at(uint32_t *at, uint32_t value) { atomicMin(at, value); }
+DEVICE void add_at(uint32_t *at, uint32_t value) { atomicAdd(at, value); }
+
+/* Writes a value if the word is as expected; returns what it was. */
+DEVICE uint32_t claim(uint32_t *at, uint32_t expected, uint32_t value) { return atomicCAS(at, expected, value); }
+
+struct room_sizes {
+    uint32_t simplices, links, slots, corners, entries, facets, crossings;   /* slots: a power of two */
+};
+
+template <typename INDEX> struct loops_of {
+    INDEX *corner, *facet;                           /* per entry */
+    INDEX *start, *name;                             /* per facet, start: one more; a name: a link, or ~wall */
+};
+
+enum { links_found, facets_made, entries_made, room_totals };
+
+/* A star and its polytope in the memory of a warp. */
+template <typename INDEX> struct cell_room {
+    room_sizes size;
+    real *x, *side;                                  /* per corner; side: beyond the plane; then terms of sums */
+    uint32_t *simplex, *first_use;                   /* per simplex of the star: its number, ascending; its entry */
+    uint32_t *key, *size_of_ring;                    /* per slot: the vertex of a link; the simplices at it */
+    uint32_t *after;                                 /* per new corner: 1 + the entry of the next one in a cap */
+    uint32_t *total;                                 /* what one lane tells all */
+    INDEX *corner, *across, *corner_of;              /* per simplex: three slots; its neighbours there; its centre */
+    INDEX *link_of;                                  /* per slot */
+    INDEX *slot_of, *begin, *p, *q;                  /* per link: its slot, where its ring starts */
+    INDEX *began;                                    /* per facet: where what the cut left of it starts */
+    INDEX *low, *high, *place, *maker, *made;        /* per crossing: edge, entry; which one makes what corner */
+    loops_of<INDEX> now, next;
+};
+
+/* Lays a room out in memory; with NULL only counts its bytes. */
+template <typename INDEX>
+HOST_DEVICE size_t lay_out(const room_sizes &size, char *memory, cell_room<INDEX> &room)
+{
+    size_t used = 0;
+    auto take = [&](auto *&array, size_t count) {
+        typedef typename std::remove_reference<decltype(*array)>::type item;
+        used = (used + sizeof(item) - 1) / sizeof(item) * sizeof(item);
+        array = memory != NULL ? (item *)(memory + used) : NULL;
+        used += count * sizeof(item);
+    };
+    room.size = size;
+    take(room.x, 3 * (size_t)size.corners);
+    take(room.side, size.corners > 128 ? size.corners : 128);
+    take(room.simplex, size.simplices);
+    take(room.first_use, size.simplices);
+    take(room.key, size.slots);
+    take(room.size_of_ring, size.slots);
+    take(room.after, size.crossings);
+    take(room.total, room_totals);
+    take(room.corner, 3 * (size_t)size.simplices);
+    take(room.across, 3 * (size_t)size.simplices);
+    take(room.corner_of, size.simplices);
+    take(room.link_of, size.slots);
+    take(room.slot_of, size.links);
+    take(room.begin, size.links);
+    take(room.p, size.links);
+    take(room.q, size.links);
+    take(room.began, size.facets + 1);
+    take(room.low, size.crossings);
+    take(room.high, size.crossings);
+    take(room.place, size.crossings);
+    take(room.maker, size.crossings);
+    take(room.made, size.crossings);
+    for (int i = 0; i < 2; i++) {
+        loops_of<INDEX> &loops = i == 0 ? room.now : room.next;
+        take(loops.corner, size.entries);
+        take(loops.facet, size.entries);
+        take(loops.start, size.facets + 1);
+        take(loops.name, size.facets);
+    }
+    return (used + 15) / 16 * 16;
+}
+
+/* The counts of a polytope. */
+struct counts {
+    uint32_t corners, facets, entries;
+};
+
+template <typename INDEX> DEVICE bool crosses(const cell_room<INDEX> &r, uint32_t a, uint32_t b)
+{
+    return (r.side[a] > 0.0 && r.side[b] < 0.0) || (r.side[a] < 0.0 && r.side[b] > 0.0);
+}
+
+/* The corner after that of an entry. */
+template <typename INDEX> DEVICE uint32_t follower(const loops_of<INDEX> &loops, uint32_t entry)
+{
+    const uint32_t facet = loops.facet[entry];
+    return loops.corner[entry + 1 < loops.start[facet + 1] ? entry + 1 : loops.start[facet]];
+}
+
+/* Step 2.  Returns the crossings, and the counts of what is kept. */
+template <typename INDEX> DEVICE uint32_t cut_loops(cell_room<INDEX> &r, counts &n)
+{
+    const loops_of<INDEX> &from = r.now, &to = r.next;
+    const uint2 found = warp_number(n.entries, [&](uint32_t e) {
+        const uint32_t a = from.corner[e];
+        return (r.side[a] > 0.0 ? 0u : 1u) | (crosses(r, a, follower(from, e)) ? 2u : 0u);
+    }, [&](uint32_t e, unsigned flags, uint32_t kept, uint32_t crossing) {
+        const uint32_t a = from.corner[e], at = kept + crossing;
+        if (e == from.start[from.facet[e]]) {
+            r.began[from.facet[e]] = (INDEX)at;
+        }
+        if ((flags & 1) != 0 && at < r.size.entries) {
+            to.corner[at] = (INDEX)a;
+        }
+        if ((flags & 2) != 0 && crossing < r.size.crossings) {
+            const uint32_t b = follower(from, e);
+            r.low[crossing] = (INDEX)(a < b ? a : b);
+            r.high[crossing] = (INDEX)(a < b ? b : a);
+            r.place[crossing] = (INDEX)(at + (flags & 1));
+        }
+    });
+    n.entries = found.x + found.y;
+    if (n.entries + found.y > r.size.entries || found.y > r.size.crossings) {
+        return found.y;
+    }
+    warp_once([&]() { r.began[n.facets] = (INDEX)n.entries; });
+    n.facets = warp_number(n.facets, [&](uint32_t f) { return r.began[f] < r.began[f + 1] ? 1u : 0u; },
+                           [&](uint32_t f, unsigned flags, uint32_t before, uint32_t) {
+        if (flags != 0) {
+            to.start[before] = r.began[f];
+            to.name[before] = from.name[f];
+        }
+        for (uint32_t e = r.began[f]; e < r.began[f + 1]; e++) {
+            to.facet[e] = (INDEX)before;
+        }
+    }).x;
+    warp_once([&]() { to.start[n.facets] = (INDEX)n.entries; });
+    return found.y;
+}
+
+/* Step 3.  Returns the number of new corners, in next. */
+template <typename INDEX> DEVICE uint32_t fill_crossings(cell_room<INDEX> &r, uint32_t crossings, uint32_t corners)
+{
+    warp_each(crossings, [&](uint32_t i) {
+        uint32_t first = 0;
+        while (r.low[first] != r.low[i] || r.high[first] != r.high[i]) {
+            first++;
+        }
+        r.maker[i] = (INDEX)first;
+    });
+    const uint32_t made = warp_number(crossings, [&](uint32_t i) { return r.maker[i] == i ? 1u : 0u; },
+                                      [&](uint32_t i, unsigned flags, uint32_t before, uint32_t) {
+        const uint32_t low = r.low[i], high = r.high[i], corner = corners + before;
+        r.made[i] = (INDEX)corner;
+        if (flags != 0 && corner < r.size.corners) {
+            const real t = r.side[low] / (r.side[low] - r.side[high]);
+            for (int k = 0; k < 3; k++) {
+                const real a = r.x[3 * low + k], b = r.x[3 * high + k];
+                r.x[3 * corner + k] = a + t * (b - a);
+            }
+            r.after[before] = 0;
+        }
+    }).x;
+    warp_each(crossings, [&](uint32_t i) { r.next.corner[r.place[i]] = r.made[r.maker[i]]; });
+    return made;
+}
+
+/* Step 4. */
+template <typename INDEX> DEVICE void add_caps(cell_room<INDEX> &r, counts &n, uint32_t made, uint32_t name)
+{
+    const loops_of<INDEX> &to = r.next;
+    warp_each(n.entries, [&](uint32_t e) {
+        const uint32_t a = to.corner[e], b = follower(to, e);
+        if (a >= n.corners && b >= n.corners) {
+            max_at(r.after + (b - n.corners), e + 1);
+        }
+    });
+    warp_once([&]() {
+        uint32_t facets = n.facets, entries = n.entries;
+        for (uint32_t i = 0; i < made; i++) {
+            const uint32_t from = entries;
+            for (uint32_t at = i, then; r.after[at] != 0; at = then) {
+                to.corner[entries] = (INDEX)(n.corners + at);
+                to.facet[entries++] = (INDEX)facets;
+                then = to.corner[r.after[at] - 1] - n.corners;
+                r.after[at] = 0;
+            }
+            if (entries - from < 3) {
+                entries = from;
+            } else {
+                to.name[facets] = (INDEX)name;
+                to.start[++facets] = (INDEX)entries;
+            }
+        }
+        r.total[facets_made] = facets;
+        r.total[entries_made] = entries;
+    });
+    n.facets = r.total[facets_made];
+    n.entries = r.total[entries_made];
+    n.corners += made;
+}
+
+/* Keeps the part with plane.x <= c.  Returns false if the room is too small. */
+template <typename INDEX>
+DEVICE bool cut_polytope(cell_room<INDEX> &r, counts &n, const real *plane, real c, uint32_t name)
+{
+    const real tiny = 2.3e-308;
+    bool outside = false;
+    warp_each(n.corners, [&](uint32_t i) {
+        const real s = plane[0] * r.x[3 * i] + plane[1] * r.x[3 * i + 1] + plane[2] * r.x[3 * i + 2] - c;
+        r.side[i] = s < 0.0 || s > 0.0 ? s : -tiny;
+        outside = outside || s > 0.0;
+    });
+    if (!any(outside)) {
+        return true;
+    }
+    const uint32_t crossings = cut_loops(r, n);
+    if (n.entries + crossings > r.size.entries || crossings > r.size.crossings
+        || n.facets + crossings / 3 + 1 > r.size.facets) {
+        return false;
+    }
+    const uint32_t made = fill_crossings(r, crossings, n.corners);
+    if (n.corners + made > r.size.corners) {
+        return false;
+    }
+    add_caps(r, n, made, name);
+    exchange(r.now, r.next);
+    return true;
+}
+
+/* Adds the cones of all facets over the site. */
+template <typename INDEX> DEVICE void sum_polytope(const cell_room<INDEX> &r, const counts &n, real *sum)
+{
+    warp_add_in_order(n.entries, r.side, [&](uint32_t e, real *term) {
+        const uint32_t facet = r.now.facet[e], start = r.now.start[facet], end = r.now.start[facet + 1];
+        if (e > start && e + 1 < end) {
+            const real *a = r.x + 3 * (size_t)r.now.corner[start];
+            const real *b = r.x + 3 * (size_t)r.now.corner[e], *c = r.x + 3 * (size_t)r.now.corner[e + 1];
+            real across[3];
+            cross(b, c, across);
+            term[3] = dot(a, across);
+            for (int k = 0; k < 3; k++) {
+                term[k] = term[3] * (a[k] + b[k] + c[k]);
+            }
+        }
+    }, sum);
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   >>diagram      Cells: the star of a vertex by a warp, and its cell.
+   In: the sorted simplices at each vertex.  Out: the cells that are left.
+   Holds: links are in the order, and rings start, where the walks of >>stars of pbw_cells.h find them.
+
+   The star is brought into the room with small numbers: simplices by their place, links by the slot of a hash table.
+   One lane walks until all links are known.  Then a lane a link walks its ring, which is a facet of the polytope.
+   ------------------------------------------------------------------------------------------------------ */
+/* Facets: the counts of all cells in first, or, with neighbours, where those of each cell begin. */
+struct facet_lists {
+    size_t *first;                                   /* NULL: no facets are wanted */
+    uint32_t *neighbor;
+    double *area;
+    size_t all;
+};
+
+/* Takes the facets of a cell one by one; of a cell that proves to be left, no more than have a place in the lists. */
+struct facet_writer {
+    const facet_lists *lists;
+    size_t at, end, count;
+    DEVICE facet_writer(const facet_lists &to, uint32_t v) : lists(&to), at(0), end(0), count(0)
+    {
+        if (to.neighbor != NULL) {
+            at = to.first[v];
+            end = to.first[v + 1];
+        }
+    }
+    DEVICE void take(uint32_t neighbor, real area)
+    {
+        if (at + count < end) {
+            lists->neighbor[at + count] = neighbor;
+            lists->area[at + count] = area.value;
+        }
+        count++;
+    }
+    DEVICE void set_count(uint32_t v)
+    {
+        if (lists->first != NULL && lists->neighbor == NULL) {
+            lists->first[v] = count;
+        }
+    }
+};
+
+/* {1,2,3}, {0,3,2}, {3,0,1}, {2,1,0}: with corner i before them they are positively oriented. */
+DEVICE uint32_t other_corner(uint32_t i, uint32_t k)
+{
+    return 0x06132c39u >> (8 * i + 2 * k) & 3;
+}
+
+template <typename INDEX> DEVICE bool is_known(const cell_room<INDEX> &r, uint32_t slot)
+{
+    return r.link_of[slot] != (INDEX)~0u;
+}
+
+/* The place of a simplex in the star. */
+template <typename INDEX> DEVICE uint32_t place_of(const cell_room<INDEX> &r, uint32_t count, uint32_t simplex)
+{
+    uint32_t low = 0, high = count - 1;
+    while (low < high) {
+        const uint32_t middle = (low + high) / 2;
+        if (r.simplex[middle] < simplex) {
+            low = middle + 1;
+        } else {
+            high = middle;
+        }
+    }
+    return low;
+}
+
+/* The slot of a vertex, new at its first use. */
+template <typename INDEX> DEVICE uint32_t slot_of(const cell_room<INDEX> &r, uint32_t vertex)
+{
+    uint32_t slot = vertex * 2654435761u >> 7 & (r.size.slots - 1);
+    while (true) {
+        const uint32_t before = claim(r.key + slot, none, vertex);
+        if (before == none || before == vertex) {
+            return slot;
+        }
+        slot = (slot + 1) & (r.size.slots - 1);
+    }
+}
+
+/* Brings the star of v into the room.  Returns whether it is at the hull. */
+template <typename INDEX>
+DEVICE bool fetch_star(const diagram &d, const cell_room<INDEX> &r, const uint32_t *entry, uint32_t count)
+{
+    bool open = false;
+    warp_each(r.size.slots, [&](uint32_t i) {
+        r.key[i] = none;
+        r.size_of_ring[i] = 0;
+        r.link_of[i] = (INDEX)~0u;
+    });
+    warp_each(count, [&](uint32_t i) {
+        r.simplex[i] = entry[i] >> 2;
+        r.first_use[i] = none;
+    });
+    warp_each(3 * count, [&](uint32_t i) {
+        const size_t at = 4 * (size_t)(entry[i / 3] >> 2) + other_corner(entry[i / 3] & 3, i % 3);
+        const uint32_t slot = slot_of(r, d.simplices[at]), next = d.neighbors[at];
+        add_at(r.size_of_ring + slot, 1);
+        r.corner[i] = (INDEX)slot;
+        r.across[i] = (INDEX)(next == none ? ~0u : place_of(r, count, next));
+        open = open || next == none;
+    });
+    return any(open);
+}
+
+/* Where a walk around the edge from the site to a link is: a simplex of the star, and its two other corners. */
+struct walk_place {
+    uint32_t simplex, p, q;
+};
+
+template <typename INDEX> DEVICE uint32_t across(const cell_room<INDEX> &r, uint32_t simplex, uint32_t slot)
+{
+    const INDEX *corner = r.corner + 3 * simplex;
+    return r.across[3 * simplex + (corner[1] == slot) + 2 * (corner[2] == slot)];
+}
+
+/* The corner of a simplex besides two. */
+template <typename INDEX> DEVICE uint32_t third(const cell_room<INDEX> &r, uint32_t simplex, uint32_t a, uint32_t b)
+{
+    const INDEX *corner = r.corner + 3 * simplex;
+    return (uint32_t)(corner[0] ^ corner[1] ^ corner[2]) ^ a ^ b;
+}
+
+template <typename INDEX>
+DEVICE void add_link(const cell_room<INDEX> &r, uint32_t &links, uint32_t slot, const walk_place &from)
+{
+    if (!is_known(r, slot)) {
+        r.link_of[slot] = (INDEX)links;
+        r.slot_of[links] = (INDEX)slot;
+        r.begin[links] = (INDEX)from.simplex;
+        r.p[links] = (INDEX)from.p;
+        r.q[links++] = (INDEX)from.q;
+    }
+}
+
+/* Walks around the link at slot u, back to the start or to the hull, and adds new links.  Returns whether it is
+   back. */
+template <typename INDEX>
+DEVICE bool walk_around(const cell_room<INDEX> &r, uint32_t &links, uint32_t u, walk_place &at)
+{
+    const uint32_t first = at.simplex, outside = (INDEX)~0u;
+    while (true) {
+        const uint32_t next = across(r, at.simplex, at.p);
+        add_link(r, links, at.q, { at.simplex, u, at.p });
+        if (next == outside || next == first) {
+            return next == first;
+        }
+        at = { next, at.q, third(r, next, u, at.q) };
+    }
+}
+
+/* Numbers the links, by one lane; start: the simplex from which the walks start. */
+template <typename INDEX> DEVICE void find_links(const cell_room<INDEX> &r, uint32_t start, uint32_t all)
+{
+    uint32_t links = 0;
+    add_link(r, links, r.corner[3 * start], { start, r.corner[3 * start + 1], r.corner[3 * start + 2] });
+    for (uint32_t i = 0; i < links && links < all; i++) {
+        const uint32_t u = r.slot_of[i];
+        walk_place at = { r.begin[i], r.p[i], r.q[i] };
+        if (!walk_around(r, links, u, at)) {
+            uint32_t next;                           /* back to the hull at the other end, then again from there */
+            while ((next = across(r, at.simplex, at.q)) != (INDEX)~0u) {
+                at = { next, third(r, next, u, at.p), at.p };
+            }
+            add_link(r, links, at.p, { at.simplex, at.q, u });
+            walk_around(r, links, u, at);
+        }
+    }
+    r.total[links_found] = links;
+}
+
+/* Sets a corner to the centre of a simplex of the star, from v; returns its flags. */
+template <typename INDEX>
+DEVICE unsigned place_centre(const diagram &d, const cell_room<INDEX> &r, uint32_t v, uint32_t place, uint32_t corner)
+{
+    const double *a = d.points + 3 * (size_t)d.simplices[4 * (size_t)r.simplex[place]];
+    real centre[3];
+    const unsigned flags = centre_of<3>(d, r.simplex[place], centre);
+    for (int k = 0; k < 3; k++) {
+        r.x[3 * corner + k] = centre[k] + (real(a[k]) - d.points[3 * (size_t)v + (size_t)k]);
+    }
+    return flags;
+}
+
+/* The polytope of a closed star: its loops, corners in the order of their first use.  Returns the flags of all
+   centres. */
+template <typename INDEX>
+DEVICE unsigned star_polytope(const diagram &d, const cell_room<INDEX> &r, uint32_t v, uint32_t links, counts &n)
+{
+    const loops_of<INDEX> &loops = r.now;
+    const uint32_t simplices = n.corners;
+    unsigned flags = good_centre | inside_box;
+    n.facets = links;
+    n.entries = warp_sum_before(links, [&](uint32_t i) { return r.size_of_ring[r.slot_of[i]]; },
+                                [&](uint32_t i, uint32_t before) { loops.start[i] = (INDEX)before; });
+    warp_once([&]() { loops.start[links] = (INDEX)n.entries; });
+    warp_each(links, [&](uint32_t i) {
+        walk_place at = { r.begin[i], r.p[i], r.q[i] };
+        loops.name[i] = (INDEX)i;
+        for (uint32_t e = loops.start[i]; e < loops.start[i + 1]; e++) {
+            loops.corner[e] = (INDEX)at.simplex;
+            loops.facet[e] = (INDEX)i;
+            min_at(r.first_use + at.simplex, e);
+            const uint32_t next = across(r, at.simplex, at.p);
+            at = { next, at.q, third(r, next, r.slot_of[i], at.q) };
+        }
+    });
+    warp_number(n.entries, [&](uint32_t e) { return r.first_use[loops.corner[e]] == e ? 1u : 0u; },
+                [&](uint32_t e, unsigned first, uint32_t before, uint32_t) {
+        if (first != 0) {
+            r.corner_of[loops.corner[e]] = (INDEX)before;
+        }
+    });
+    warp_each(simplices, [&](uint32_t i) { flags &= place_centre(d, r, v, i, r.corner_of[i]); });
+    warp_each(n.entries, [&](uint32_t e) { loops.corner[e] = r.corner_of[loops.corner[e]]; });
+    return (any((flags & good_centre) == 0) ? 0 : good_centre) | (any((flags & inside_box) == 0) ? 0 : inside_box);
+}
+
+/* From the site to a link, and where the plane between the cells is along that.  Returns the squared length. */
+template <typename INDEX>
+DEVICE real to_link(const diagram &d, const cell_room<INDEX> &r, uint32_t v, uint32_t link, real *to, real &foot)
+{
+    const uint32_t vertex = r.key[r.slot_of[link]];
+    real square = 0.0;
+    for (int k = 0; k < 3; k++) {
+        to[k] = real(d.points[3 * (size_t)vertex + (size_t)k]) - d.points[3 * (size_t)v + (size_t)k];
+        square += to[k] * to[k];
+    }
+    foot = 0.5;
+    if (d.weights != NULL) {
+        foot += (real(d.weights[v]) - d.weights[vertex]) / (real(2.0) * square);
+    }
+    return square;
+}
+
+/* The sums of a cell that is not cut, from the polytope of its star: ring by ring. */
+template <typename INDEX>
+DEVICE void sum_rings(const diagram &d, const cell_room<INDEX> &r, uint32_t v, const counts &n, real *sum)
+{
+    warp_add_in_order(n.facets, r.side, [&](uint32_t i, real *term) {
+        real to[3], across[3], moment[3] = { 0.0, 0.0, 0.0 }, along = 0.0, foot;
+        to_link(d, r, v, i, to, foot);
+        for (uint32_t e = r.now.start[i]; e < r.now.start[i + 1]; e++) {
+            const real *s = r.x + 3 * (size_t)r.now.corner[e], *t = r.x + 3 * (size_t)follower(r.now, e);
+            cross(s, t, across);
+            const real w = dot(to, across);
+            along += w;
+            for (int k = 0; k < 3; k++) {
+                moment[k] += w * (s[k] + t[k]);
+            }
+        }
+        for (int k = 0; k < 3; k++) {
+            term[k] = foot * (moment[k] + along * (foot * to[k]));
+        }
+        term[3] = foot * along;
+    }, sum);
+}
+
+/* Cuts the polytope of the star by the walls of the box. */
+template <typename INDEX> DEVICE bool cut_by_box(const diagram &d, cell_room<INDEX> &r, uint32_t v, counts &n)
+{
+    bool fits = true;
+    for (uint32_t i = 0; i < 6 && fits; i++) {
+        const real site = d.points[3 * (size_t)v + i / 2];
+        const real plane[3] = { i / 2 == 0 ? i % 2 * 2.0 - 1.0 : 0.0, i / 2 == 1 ? i % 2 * 2.0 - 1.0 : 0.0,
+                                i / 2 == 2 ? i % 2 * 2.0 - 1.0 : 0.0 };
+        fits = cut_polytope(r, n, plane, i % 2 != 0 ? real(d.high[i / 2]) - site : site - d.low[i / 2], ~i);
+    }
+    return fits;
+}
+
+/* Cuts the box by the planes between v and all links. */
+template <typename INDEX>
+DEVICE bool cut_box(const diagram &d, cell_room<INDEX> &r, uint32_t v, uint32_t links, counts &n)
+{
+    const char *const face = "046213750154267302314576";             /* corners, four a wall */
+    bool fits = true;
+    n = { 8, 6, 24 };
+    warp_each(8, [&](uint32_t i) {
+        for (uint32_t k = 0; k < 3; k++) {
+            r.x[3 * i + k] = real((i >> k & 1) != 0 ? d.high[k] : d.low[k]) - d.points[3 * (size_t)v + k];
+        }
+    });
+    warp_each(24, [&](uint32_t i) {
+        r.now.corner[i] = (INDEX)(face[i] - '0');
+        r.now.facet[i] = (INDEX)(i / 4);
+        r.now.name[i / 4] = (INDEX)~(i / 4);
+        r.now.start[i / 4 + 1] = (INDEX)(i / 4 * 4 + 4);
+        r.now.start[0] = 0;
+    });
+    for (uint32_t i = 0; i < links && fits; i++) {
+        real to[3], foot;
+        const real square = to_link(d, r, v, i, to, foot);
+        fits = cut_polytope(r, n, to, foot * square, i);
+    }
+    return fits;
+}
+
+/* The area of the facet of a link, from its ring; x has the centres by places in the star.  Infinite where the facet
+   is open.  square: that of to, from the site to the link. */
+template <typename INDEX>
+DEVICE real open_facet(const cell_room<INDEX> &r, uint32_t link, const real *to, real square)
+{
+    walk_place at = { r.begin[link], r.p[link], r.q[link] };
+    const uint32_t first = at.simplex;
+    real along = 0.0, sides[3];
+    do {
+        const uint32_t next = across(r, at.simplex, at.p);
+        if (next == (INDEX)~0u) {
+            return HUGE_VAL;
+        }
+        cross(r.x + 3 * (size_t)at.simplex, r.x + 3 * (size_t)next, sides);
+        along += dot(to, sides);
+        at = { next, at.q, third(r, next, r.slot_of[link], at.q) };
+    } while (at.simplex != first);
+    return along / (real(2.0) * root_of(square));
+}
+
+/* The same of a closed star, from its polytope. */
+template <typename INDEX>
+DEVICE real ring_area(const cell_room<INDEX> &r, uint32_t link, const real *to, real square)
+{
+    real along = 0.0, sides[3];
+    for (uint32_t e = r.now.start[link]; e < r.now.start[link + 1]; e++) {
+        cross(r.x + 3 * (size_t)r.now.corner[e], r.x + 3 * (size_t)follower(r.now, e), sides);
+        along += dot(to, sides);
+    }
+    return along / (real(2.0) * root_of(square));
+}
+
+/* Facets of a cell that the box does not cut; area(link, to, square): as open_facet. */
+template <typename INDEX, typename F>
+DEVICE void take_rings(const diagram &d, const cell_room<INDEX> &r, const facet_lists &lists, uint32_t v,
+                       uint32_t links, F area)
+{
+    if (lists.neighbor == NULL) {
+        warp_once([&]() { lists.first[v] = links; });
+        return;
+    }
+    warp_each(links, [&](uint32_t i) {
+        real to[3], foot;
+        const real square = to_link(d, r, v, i, to, foot);
+        lists.neighbor[lists.first[v] + i] = r.key[r.slot_of[i]];
+        lists.area[lists.first[v] + i] = area(i, to, square).value;
+    });
+}
+
+/* The area of a facet of a polytope. */
+template <typename INDEX> DEVICE real facet_area(const cell_room<INDEX> &r, uint32_t facet)
+{
+    const uint32_t start = r.now.start[facet], end = r.now.start[facet + 1];
+    const real *a = r.x + 3 * (size_t)r.now.corner[start];
+    real area[3] = { 0.0, 0.0, 0.0 }, p[3], q[3], sides[3];
+    for (uint32_t e = start + 1; e + 1 < end; e++) {
+        const real *b = r.x + 3 * (size_t)r.now.corner[e], *c = r.x + 3 * (size_t)r.now.corner[e + 1];
+        for (int k = 0; k < 3; k++) {
+            p[k] = b[k] - a[k];
+            q[k] = c[k] - a[k];
+        }
+        cross(p, q, sides);
+        for (int k = 0; k < 3; k++) {
+            area[k] += sides[k];
+        }
+    }
+    return real(0.5) * root_of(dot(area, area));
+}
+
+/* Facets of a polytope: of those in a row that rounding has bent apart one, with the sum of their areas. */
+template <typename INDEX>
+DEVICE void take_facets(const cell_room<INDEX> &r, const facet_lists &lists, uint32_t v, uint32_t facets)
+{
+    const uint32_t links = r.total[links_found];
+    const INDEX *name = r.now.name;
+    const uint2 found = warp_number(facets, [&](uint32_t i) { return i == 0 || name[i] != name[i - 1] ? 1u : 0u; },
+                                    [&](uint32_t i, unsigned first, uint32_t before, uint32_t) {
+        if (first != 0 && lists.neighbor != NULL) {
+            real area = facet_area(r, i);
+            for (uint32_t next = i + 1; next < facets && name[next] == name[i]; next++) {
+                area += facet_area(r, next);
+            }
+            lists.neighbor[lists.first[v] + before] = name[i] < links ? r.key[r.slot_of[name[i]]]
+                                                    : none - 1 - (uint32_t)(INDEX)~name[i];
+            lists.area[lists.first[v] + before] = area.value;
+        }
+    });
+    if (lists.neighbor == NULL) {
+        warp_once([&]() { lists.first[v] = found.x; });
+    }
+}
+
+/* The cell of a star at the hull, in the whole space. */
+template <typename INDEX>
+DEVICE void open_cell(const diagram &d, const cell_room<INDEX> &r, const facet_lists &lists, uint32_t v,
+                      uint32_t count, uint32_t links)
+{
+    warp_once([&]() { set_unbounded<3>(d, v); });
+    if (lists.first != NULL) {
+        warp_each(count, [&](uint32_t i) { (void)place_centre(d, r, v, i, i); });
+        take_rings(d, r, lists, v, links, [&](uint32_t i, const real *to, real square) {
+            return open_facet(r, i, to, square);
+        });
+    }
+}
+
+/* The cell that the box cuts out.  Returns false if the room is too small. */
+template <typename INDEX>
+DEVICE bool cut_cell(const diagram &d, cell_room<INDEX> &r, const facet_lists &lists, uint32_t v, bool is_far,
+                     counts n)
+{
+    real sum[4] = { 0.0, 0.0, 0.0, 0.0 };
+    if (!(is_far ? cut_box(d, r, v, r.total[links_found], n) : cut_by_box(d, r, v, n))) {
+        return false;
+    }
+    sum_polytope(r, n, sum);
+    warp_once([&]() { set_cell<3>(d, v, sum); });
+    if (lists.first != NULL) {                       /* of no volume: the box at most touches the cell */
+        take_facets(r, lists, v, sum[3] > 0.0 ? n.facets : 0);
+    }
+    return true;
+}
+
+/* The cell of v from its star.  Returns false if the room is too small. */
+template <typename INDEX>
+DEVICE bool star_cell(const diagram &d, cell_room<INDEX> &r, const facet_lists &lists, uint32_t v,
+                      const uint32_t *entry, uint32_t count)
+{
+    counts n = { count, 0, 0 };
+    if (count > r.size.simplices || count > r.size.corners) {
+        return false;
+    }
+    const bool open = fetch_star(d, r, entry, count);
+    const uint32_t links = warp_number(r.size.slots, [&](uint32_t i) { return r.key[i] != none ? 1u : 0u; },
+                                       [](uint32_t, unsigned, uint32_t, uint32_t) {}).x;
+    if (links > r.size.links || 3 * count > r.size.entries || links > r.size.facets) {
+        return false;
+    }
+    warp_once([&]() { find_links(r, place_of(r, count, d.incident[v]), links); });
+    if (open && !d.bounded) {
+        open_cell(d, r, lists, v, count, links);
+        return true;
+    }
+    const unsigned flags = open ? 0 : star_polytope(d, r, v, links, n);
+    if (!open && (!d.bounded || (flags & inside_box) != 0)) {
+        real sum[4] = { 0.0, 0.0, 0.0, 0.0 };
+        sum_rings(d, r, v, n, sum);
+        warp_once([&]() { set_cell<3>(d, v, sum); });
+        if (lists.first != NULL) {
+            take_rings(d, r, lists, v, links, [&](uint32_t i, const real *to, real square) {
+                return ring_area(r, i, to, square);
+            });
+        }
+        return true;
+    }
+    bool is_far = open || (flags & good_centre) == 0;
+    warp_each(open ? 0 : 3 * n.corners, [&](uint32_t i) {
+        is_far = is_far || !(size_of(r.x[i]) < real(4.0) * d.extent[i % 3]);
+    });
+    return cut_cell(d, r, lists, v, any(is_far), n);
+}
+
+/* What a rung of stars reads and leaves. */
+struct star_rung {
+    stars at;
+    queue todo, left;                                /* left: those that the room is too small for */
+    uint32_t *next;                                  /* the first of todo that no warp has taken */
+    room_sizes size;                                 /* of large rooms */
+    char *memory;                                    /* for these */
+};
+
+/* Rooms: small and middle ones in shared memory, of constant sizes; large ones. */
+template <typename INDEX> HOST_DEVICE constexpr room_sizes size_of_room(const room_sizes &large)
+{
+    return sizeof(INDEX) == 1 ? room_sizes{ 72, 46, 128, 128, 240, 64, 64 }
+         : sizeof(INDEX) == 2 ? room_sizes{ 160, 100, 256, 320, 700, 130, 128 } : large;
+}
+
+template <typename INDEX> struct rung_shape {
+    enum { warps = sizeof(INDEX) == 1 ? 4 : sizeof(INDEX) == 2 ? 2 : 1, blocks = sizeof(INDEX) == 1 ? 6 : 4 };
+};
+
+template <typename INDEX> __global__ void __launch_bounds__(32 * rung_shape<INDEX>::warps, rung_shape<INDEX>::blocks)
+star_kernel(const diagram d, const facet_lists lists, const star_rung a)
+{
+    extern __shared__ __align__(16) char shared[];
+    const uint32_t count = *a.todo.count;
+    const room_sizes size = size_of_room<INDEX>(a.size);
+    cell_room<INDEX> room;
+    const size_t bytes = lay_out<INDEX>(size, NULL, room);
+    lay_out(size, sizeof(INDEX) == 4 ? a.memory + thread_number() / 32 * bytes : shared + threadIdx.x / 32 * bytes,
+            room);
+    while (true) {
+        uint32_t i = 0;
+        if ((threadIdx.x & 31) == 0) {
+            i = atomicAdd(a.next, 1u);
+        }
+        i = __shfl_sync(all_lanes, i, 0);
+        if (i >= count) {
+            break;
+        }
+        const uint32_t v = a.todo.vertex[i], first = a.at.first[v];
+        if (!star_cell<INDEX>(d, room, lists, v, a.at.entry + first, a.at.first[v + 1] - first)
+            && (threadIdx.x & 31) == 0) {
+            a.left.vertex[atomicAdd(a.left.count, 1u)] = v;
+        }
+        __syncwarp();
+    }
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   >>polygons     Cells in the plane, by a thread each.
+   In: a mesh, a box.  Out: areas, centroids, edges of cells.
+   Holds: parts and links are in the order of >>stars of pbw_cells.h, and so are the corners of polygons that are cut.
+   ------------------------------------------------------------------------------------------------------ */
+/* A triangle at a vertex, which is its corner `place`. */
+struct part {
+    uint32_t simplex, place;
+};
+
+DEVICE part part_of(const diagram &d, uint32_t simplex, uint32_t v)
+{
+    const uint32_t *corner = d.simplices + 3 * (size_t)simplex;
+    return { simplex, (uint32_t)(corner[1] == v) + 2 * (uint32_t)(corner[2] == v) };
+}
+
+DEVICE uint32_t at_corner(const uint32_t *array, const part &p, uint32_t after)
+{
+    return array[3 * (size_t)p.simplex + (p.place + after) % 3];
+}
+
+/* The centre of a part, from v.  Returns its flags. */
+DEVICE unsigned centre_from(const diagram &d, uint32_t v, uint32_t simplex, real *x)
+{
+    const size_t a = 2 * (size_t)d.simplices[3 * (size_t)simplex];
+    const unsigned flags = centre_of<2>(d, simplex, x);
+    for (size_t k = 0; k < 2; k++) {
+        x[k] = x[k] + (coordinate(d, a + k) - coordinate(d, 2 * (size_t)v + k));
+    }
+    return flags;
+}
+
+/* Calls f(part) for all parts of v, counter-clockwise, from its incident simplex or, at the hull, from there; before
+   the first one restart().  Returns whether v is at the hull: then there may have been two rounds. */
+template <typename F, typename R> DEVICE bool visit_parts(const diagram &d, uint32_t v, R restart, F f)
+{
+    uint32_t first = d.incident[v], next = none;
+    for (int round = 0; round < 2 && next == none; round++) {
+        uint32_t at = first, back;
+        restart();
+        do {
+            const part p = part_of(d, at, v);
+            f(p);
+            at = next = at_corner(d.neighbors, p, 1);
+        } while (at != none && at != first);
+        while (round == 0 && next == none
+               && (back = at_corner(d.neighbors, part_of(d, first, v), 2)) != none) {
+            first = back;
+        }
+    }
+    return next == none;
+}
+
+/* From v to a link.  Returns the squared length. */
+DEVICE real to_link(const diagram &d, uint32_t v, uint32_t link, real *to)
+{
+    real square = 0.0;
+    for (size_t k = 0; k < 2; k++) {
+        to[k] = coordinate(d, 2 * (size_t)link + k) - coordinate(d, 2 * (size_t)v + k);
+        square += to[k] * to[k];
+    }
+    return square;
+}
+
+/* A facet of a cell that is not cut, from s to t. */
+DEVICE void take_edge(const diagram &d, facet_writer &out, uint32_t v, uint32_t link, const real *s, const real *t)
+{
+    real to[2];
+    const real square = to_link(d, v, link, to), x = t[0] - s[0], y = t[1] - s[1];
+    out.take(link, (to[0] * y - to[1] * x) / root_of(square));
+}
+
+/* The cell of v, unless it is left: then returns false. */
+DEVICE bool plane_cell(const diagram &d, const facet_lists &lists, uint32_t v)
+{
+    real first[2], last[2] = { 0.0, 0.0 }, sum[4];
+    uint32_t link = none;                            /* between the last part and the next */
+    unsigned flags = 0;
+    facet_writer out(lists, v);
+    auto add = [&](const real *t) {
+        const real w = last[0] * t[1] - last[1] * t[0];
+        sum[0] += w * (last[0] + t[0]);
+        sum[1] += w * (last[1] + t[1]);
+        sum[3] += w;
+        if (lists.first != NULL) {
+            take_edge(d, out, v, link, last, t);
+        }
+    };
+    const bool open = visit_parts(d, v, [&]() {
+        flags = good_centre | inside_box;
+        sum[0] = sum[1] = sum[2] = sum[3] = 0.0;
+        out.count = 0;
+        link = none;
+    }, [&](const part &p) {
+        real t[2];
+        flags &= centre_from(d, v, p.simplex, t);
+        if (link != none) {
+            add(t);
+        } else {
+            first[0] = t[0];
+            first[1] = t[1];
+            if (out.count == 0 && at_corner(d.neighbors, p, 2) == none) {
+                out.take(at_corner(d.simplices, p, 1), HUGE_VAL);
+            }
+        }
+        link = at_corner(d.simplices, p, 2);
+        last[0] = t[0];
+        last[1] = t[1];
+    });
+    if (d.bounded && (open || (flags & inside_box) == 0)) {
+        return false;
+    }
+    if (open) {
+        out.take(link, HUGE_VAL);
+        set_unbounded<2>(d, v);
+    } else {
+        add(first);
+        set_cell<2>(d, v, sum);
+    }
+    out.set_count(v);
+    return true;
+}
+
+/* A polygon in the memory of a thread: corners, of those that cuts made the cut edges; the loop, and the edge after
+   each of its corners. */
+struct polygon {
+    uint32_t size, corners, length;                  /* length: above size if it is too small */
+    real *x, *side;
+    uint32_t *low, *high, *loop, *name, *next_loop, *next_name;
+};
+
+HOST_DEVICE size_t polygon_bytes(uint32_t size)
+{
+    return (size_t)size * (3 * sizeof(real) + 6 * sizeof(uint32_t));
+}
+
+DEVICE polygon polygon_in(char *memory, uint32_t size)
+{
+    real *const x = (real *)memory;
+    uint32_t *const word = (uint32_t *)(x + 3 * (size_t)size);
+    return { size, 0, 0, x, x + 2 * (size_t)size, word, word + size, word + 2 * (size_t)size,
+             word + 3 * (size_t)size, word + 4 * (size_t)size, word + 5 * (size_t)size };
+}
+
+DEVICE void add_corner(polygon &p, real x, real y, uint32_t edge)
+{
+    if (p.corners < p.size) {
+        p.x[2 * p.corners] = x;
+        p.x[2 * p.corners + 1] = y;
+        p.loop[p.corners] = p.corners;
+        p.name[p.corners] = edge;
+    }
+    p.length = ++p.corners;
+}
+
+/* The corner on the edge between two others, made at its first use, or p.size if there is no room; old: the corners
+   before this cut. */
+DEVICE uint32_t cut_edge(polygon &p, uint32_t from, uint32_t to, uint32_t old)
+{
+    const uint32_t low = from < to ? from : to, high = from < to ? to : from;
+    for (uint32_t i = p.corners; i-- > old; ) {
+        if (p.low[i] == low && p.high[i] == high) {
+            return i;
+        }
+    }
+    if (p.corners < p.size) {
+        const real t = p.side[low] / (p.side[low] - p.side[high]);
+        for (uint32_t k = 0; k < 2; k++) {
+            const real a = p.x[2 * low + k], b = p.x[2 * high + k];
+            p.x[2 * p.corners + k] = a + t * (b - a);
+        }
+        p.low[p.corners] = low;
+        p.high[p.corners] = high;
+        return p.corners++;
+    }
+    return p.size;
+}
+
+/* Keeps the part with plane.x <= c.  Returns whether the room is large enough. */
+DEVICE bool cut_polygon(polygon &p, const real *plane, real c, uint32_t name)
+{
+    const real tiny = 2.3e-308;
+    const uint32_t old = p.corners;
+    uint32_t length = 0;
+    bool outside = false, fits = true;
+    for (uint32_t i = 0; i < old; i++) {
+        const real s = plane[0] * p.x[2 * i] + plane[1] * p.x[2 * i + 1] - c;
+        p.side[i] = s < 0.0 || s > 0.0 ? s : -tiny;
+        outside = outside || s > 0.0;
+    }
+    auto take = [&](uint32_t corner, uint32_t edge) {
+        fits = fits && length < p.size && corner < p.size;
+        if (fits) {
+            p.next_loop[length] = corner;
+            p.next_name[length++] = edge;
+        }
+    };
+    for (uint32_t i = 0; i < p.length && outside; i++) {
+        const uint32_t a = p.loop[i], b = p.loop[i + 1 < p.length ? i + 1 : 0], edge = p.name[i];
+        const bool in = p.side[a] < 0.0, leaves = p.side[b] > 0.0;
+        if (!(p.side[a] > 0.0)) {
+            take(a, edge);
+        }
+        if (in ? leaves : p.side[b] < 0.0) {
+            take(cut_edge(p, a, b, old), leaves ? name : edge);
+        }
+    }
+    if (outside) {
+        exchange(p.loop, p.next_loop);
+        exchange(p.name, p.next_name);
+        p.length = length;
+    }
+    return fits;
+}
+
+DEVICE bool cut_by_box(const diagram &d, polygon &p, uint32_t v)
+{
+    bool fits = p.length <= p.size;
+    for (uint32_t i = 0; i < 4 && fits; i++) {
+        const real site = d.points[2 * (size_t)v + i / 2];
+        const real plane[2] = { i / 2 == 0 ? i % 2 * 2.0 - 1.0 : 0.0, i / 2 == 1 ? i % 2 * 2.0 - 1.0 : 0.0 };
+        fits = cut_polygon(p, plane, i % 2 != 0 ? real(d.high[i / 2]) - site : site - d.low[i / 2], none - 1 - i);
+    }
+    return fits;
+}
+
+/* The box, cut by the planes between v and all links. */
+DEVICE bool cut_box(const diagram &d, polygon &p, uint32_t v)
+{
+    const double *site = d.points + 2 * (size_t)v;
+    uint32_t links = 0;
+    bool fits = true;
+    auto cut = [&](uint32_t link) {
+        real to[2], foot = 0.5;
+        const real square = to_link(d, v, link, to);
+        if (d.weights != NULL) {
+            foot += (real(d.weights[v]) - d.weights[link]) / (real(2.0) * square);
+        }
+        fits = fits && cut_polygon(p, to, foot * square, link);
+    };
+    visit_parts(d, v, [&]() {
+        const uint32_t wall[4] = { 2, 1, 3, 0 };
+        p.corners = 0;
+        links = 0;
+        for (int i = 0; i < 4; i++) {                /* their numbers are in binary order: exchanged below */
+            const bool right = i == 1 || i == 3, top = i > 1;
+            add_corner(p, real(right ? d.high[0] : d.low[0]) - site[0], real(top ? d.high[1] : d.low[1]) - site[1],
+                       none - 1 - wall[i]);
+        }
+        p.loop[2] = 3;
+        p.loop[3] = 2;
+        fits = true;
+    }, [&](const part &at) {
+        if (links++ == 0 && at_corner(d.neighbors, at, 2) == none) {
+            cut(at_corner(d.simplices, at, 1));
+        }
+        cut(at_corner(d.simplices, at, 2));
+    });
+    return fits;
+}
+
+/* The cell of v, cut by the box.  Returns false if the room is too small. */
+DEVICE bool cut_plane_cell(const diagram &d, const facet_lists &lists, uint32_t v, polygon &p)
+{
+    real sum[4] = { 0.0, 0.0, 0.0, 0.0 };
+    unsigned flags = 0;
+    bool far = false;
+    const bool open = visit_parts(d, v, [&]() {
+        p.corners = 0;
+        flags = good_centre;
+        far = false;
+    }, [&](const part &at) {
+        real x[2];
+        flags &= centre_from(d, v, at.simplex, x);
+        far = far || !(size_of(x[0]) < real(4.0) * d.extent[0]) || !(size_of(x[1]) < real(4.0) * d.extent[1]);
+        add_corner(p, x[0], x[1], at_corner(d.simplices, at, 2));
+    });
+    if (!(open || far || flags == 0 ? cut_box(d, p, v) : cut_by_box(d, p, v))) {
+        return false;
+    }
+    facet_writer out(lists, v);
+    for (uint32_t i = 0; i < p.length; i++) {
+        const real *a = p.x + 2 * p.loop[i], *b = p.x + 2 * p.loop[i + 1 < p.length ? i + 1 : 0];
+        const real w = a[0] * b[1] - a[1] * b[0];
+        sum[3] += w;
+        sum[0] += w * (a[0] + b[0]);
+        sum[1] += w * (a[1] + b[1]);
+        if (lists.first != NULL) {
+            out.take(p.name[i], root_of((b[0] - a[0]) * (b[0] - a[0]) + (b[1] - a[1]) * (b[1] - a[1])));
+        }
+    }
+    if (!(sum[3] > 0.0)) {                           /* the box at most touches the cell */
+        out.count = 0;
+    }
+    set_cell<2>(d, v, sum);
+    out.set_count(v);
+    return true;
+}
+
+/* Cells of all vertices of the plane, near ones together: each by a thread of its incident simplex. */
+__global__ void plane_kernel(const diagram d, const facet_lists lists, const queue left)
+{
+    const size_t simplex = thread_number();
+    for (int k = 0; k < 3 && simplex < d.simplex_count; k++) {
+        const uint32_t v = d.simplices[3 * simplex + (size_t)k];
+        if (v < d.count && d.incident[v] == simplex && !plane_cell(d, lists, v)) {
+            left.vertex[atomicAdd(left.count, 1u)] = v;
+        }
+    }
+}
+
+/* The cells that are left, with room for polygons of so many corners in each thread's memory. */
+__global__ void polygon_kernel(const diagram d, const facet_lists lists, const queue todo, const queue left,
+                               char *memory, uint32_t size)
+{
+    const size_t stride = (size_t)gridDim.x * blockDim.x;
+    for (size_t i = thread_number(); i < *todo.count; i += stride) {
+        polygon p = polygon_in(memory + thread_number() * polygon_bytes(size), size);
+        if (!cut_plane_cell(d, lists, todo.vertex[i], p)) {
+            left.vertex[atomicAdd(left.count, 1u)] = todo.vertex[i];
+        }
+    }
+}
+
+/* ------------------------------------------------------------------------------------------------------
    >>run          The stages in order.
    In: packed points on the device.  Out: the mesh of the call, on the device, and the times of its
    stages.
@@ -5011,9 +6609,11 @@ void open_local(local_call &local, const request &r)
     c.job = &local.job;
     c.mesh = r.mesh;
     c.no_cpu = r.cpu == NULL;
-    if (r.last != NULL) {
+    if (r.resources != NULL) {
         (call_resources &)c = *r.resources;
         c.borrowed = true;
+    }
+    if (r.last != NULL) {
         c.rebuild = r.rebuild;
         c.last = r.last;
         adopt_last(c);
@@ -5209,6 +6809,7 @@ struct pbw_cuda_loop {
     pbw_triangulator *cpu;
     call_resources resources;
     loop_state last;
+    pbw_cuda_cells cells;
 };
 
 extern "C" pbw_status pbw_cuda_loop_create(const pbw_options *given_options, void *stream, pbw_triangulator *cpu,
@@ -5239,7 +6840,7 @@ extern "C" pbw_status pbw_cuda_loop_create(const pbw_options *given_options, voi
         need(c, cudaMallocHost(&c.pinned, pinned_bytes), "cudaMallocHost");
         c.pool = pool;
         c.borrowed = true;
-        *loop = pbw_cuda_loop{ properties.location.id, r.stream, options, cpu, c, loop_state() };
+        *loop = pbw_cuda_loop{ properties.location.id, r.stream, options, cpu, c, loop_state(), {} };
     } catch (const failure &) {
         if (pool != NULL) {
             cudaMemPoolDestroy(pool);
@@ -5273,6 +6874,7 @@ extern "C" void pbw_cuda_loop_free(pbw_cuda_loop *loop)
         pbw_memory memory;
         cudaFreeAsync(loop->last.id, loop->stream);
         pbw_cuda_free(&loop->last.mesh, loop->stream);
+        pbw_cuda_cells_free(&loop->cells, loop->stream);
         cudaStreamSynchronize(loop->stream);
         destroy(loop->resources);
         cudaFreeHost(loop->resources.pinned);
@@ -5282,4 +6884,646 @@ extern "C" void pbw_cuda_loop_free(pbw_cuda_loop *loop)
         memory.used = sizeof *loop;
         pbw__release(&memory, loop, 1, sizeof *loop);
     }
+}
+
+namespace {
+/* ------------------------------------------------------------------------------------------------------
+   >>dual         The calls for cells.
+   In: a mesh and its points, on the current device.  Out: the arrays of its cells there.  Or points in the memory of
+   the host, and arrays there.
+   ------------------------------------------------------------------------------------------------------ */
+/* Points as doubles. */
+__global__ void widen_kernel(const float *from, size_t count, double *to)
+{
+    if (thread_number() < count) {
+        to[thread_number()] = (double)from[thread_number()];
+    }
+}
+
+/* Points that are no vertices have empty cells. */
+template <int DIM> __global__ void empty_kernel(const diagram d, const facet_lists lists)
+{
+    const size_t v = thread_number();
+    const real nothing[4] = { 0.0, 0.0, 0.0, 0.0 };
+    if (v < d.count && (d.incident == NULL || d.incident[v] == none)) {
+        set_cell<DIM>(d, (uint32_t)v, nothing);
+        if (lists.first != NULL) {
+            lists.first[v] = 0;
+        }
+    }
+}
+
+/* Marks the vertices with cells that may be cut, or unbounded. */
+__global__ void judge_kernel(const diagram d, unsigned char *left)
+{
+    const uint32_t simplex = (uint32_t)thread_number();
+    if (simplex < d.simplex_count) {
+        real centre[3];
+        const uint32_t *next = d.neighbors + 4 * (size_t)simplex;
+        const bool all = (centre_of<3>(d, simplex, centre) & (d.bounded ? inside_box : good_centre)) == 0;
+        for (int i = 0; i < 4; i++) {
+            if (all || next[(i + 1) & 3] == none || next[(i + 2) & 3] == none || next[(i + 3) & 3] == none) {
+                left[d.simplices[4 * (size_t)simplex + (size_t)i]] = 1;
+            }
+        }
+    }
+}
+
+/* Counts facets: a closed star of n simplices has n / 2 + 2 links, by Euler.  Lists the vertices that are marked. */
+__global__ void count_kernel(const diagram d, const stars s, const unsigned char *is_left, const facet_lists lists,
+                             const queue left)
+{
+    const uint32_t v = (uint32_t)thread_number();
+    if (v < d.count && s.first[v] < s.first[v + 1]) {
+        lists.first[v] = (s.first[v + 1] - s.first[v]) / 2 + 2;
+        if (is_left[v] != 0) {
+            left.vertex[atomicAdd(left.count, 1u)] = v;
+        }
+    }
+}
+
+/* Lists all vertices, near ones together. */
+__global__ void vertices_kernel(const diagram d, const queue all)
+{
+    const size_t i = thread_number();
+    if (i < 4 * (size_t)d.simplex_count) {
+        const uint32_t v = d.simplices[i];
+        if (v < d.count && d.incident[v] == i / 4) {
+            all.vertex[atomicAdd(all.count, 1u)] = v;
+        }
+    }
+}
+
+/* The corners of all simplices as pairs to sort: (vertex, 4 simplex + corner). */
+__global__ void pair_kernel(const uint32_t *simplices, size_t entries, uint32_t *vertex, uint32_t *entry)
+{
+    const size_t i = thread_number();
+    if (i < entries) {
+        vertex[i] = simplices[i];
+        entry[i] = (uint32_t)i;
+    }
+}
+
+int bits_of(size_t count)
+{
+    int bits = 1;
+    while (bits < 32 && count >> bits != 0) {
+        bits++;
+    }
+    return bits;
+}
+
+const double *widened(call &c, const void *from, bool is_float, size_t count)
+{
+    if (from == NULL || !is_float) {
+        return (const double *)from;
+    }
+    double *const to = allocate<double>(c, count);
+    launch(c, "points", widen_kernel, over(count, 256), (const float *)from, count, to);
+    return to;
+}
+
+/* Lists of cells that are left, for rungs in turn; word: their counts, and of the first two rungs what is taken. */
+struct left_cells {
+    buffer<uint32_t> vertex[2], word;
+    left_cells(call &c, size_t count) : vertex{ buffer<uint32_t>(c, count), buffer<uint32_t>(c, count) }, word(c, 8)
+    {
+        fill(c, word.at, 0, 8);
+    }
+    queue list(int i) { return { vertex[i & 1].at, word.at + i }; }
+};
+
+/* Facets: from the counts of all cells, where they begin, and their arrays. */
+void make_lists(call &c, size_t count, facet_lists &lists)
+{
+    size_t all = 0;
+    fill(c, lists.first + count, 0, 1);
+    with_scratch(c, "scan", [&](void *scratch, size_t &bytes) {
+        return cub::DeviceScan::ExclusiveSum(scratch, bytes, lists.first, lists.first, count + 1, c.stream);
+    });
+    all = read_back(c, lists.first + count, PBW_STAGE_WORK, 0.5);
+    lists.neighbor = allocate<pbw_index>(c, all);
+    lists.area = allocate<double>(c, all);
+    lists.all = all;
+}
+
+const size_t most_room = (size_t)1 << 28;            /* bytes for all warps of a large rung */
+
+template <typename INDEX>
+void build_rung(call &c, const diagram &d, const facet_lists &lists, const star_rung &a, unsigned blocks)
+{
+    cell_room<INDEX> room;
+    const size_t bytes = lay_out(size_of_room<INDEX>(a.size), NULL, room) * rung_shape<INDEX>::warps;
+    const shape s = { blocks, 32 * rung_shape<INDEX>::warps, sizeof(INDEX) == 4 ? 0 : bytes };
+    need(c, cudaFuncSetAttribute(star_kernel<INDEX>, cudaFuncAttributeMaxDynamicSharedMemorySize, (int)s.bytes),
+         "shared memory");
+    launch(c, "stars", star_kernel<INDEX>, s, d, lists, a);
+}
+
+/* The cells that are left, from their stars, in rungs: of rooms in shared memory, then, twice as large each time, in
+   the memory of the device. */
+void build_stars(call &c, const diagram &d, const facet_lists &lists, const stars &s, left_cells &left)
+{
+    const unsigned processors = (unsigned)processors_of(c, c.team->offers[c.card].device);
+    star_rung a = { s, left.list(0), left.list(1), left.word.at + 6 };
+    cell_room<uint32_t> room;
+    int rung = 2;
+    build_rung<uint8_t>(c, d, lists, a, processors * rung_shape<uint8_t>::blocks);
+    a.todo = left.list(1);
+    a.left = left.list(2);
+    a.next = left.word.at + 7;
+    build_rung<uint16_t>(c, d, lists, a, processors * rung_shape<uint16_t>::blocks);
+    for (uint32_t n = 1024, count; (count = read_back(c, left.word.at + rung, PBW_STAGE_WORK, 0.9)) > 0; n *= 2) {
+        require(c, n < 1u << 27, PBW_ERROR_BACKEND, "a cell is too large for the device");
+        a.size = { n, n + 2, 4 * n, 8 * n, 16 * n, 2 * n, 4 * n };
+        const size_t bytes = lay_out(a.size, NULL, room), fit = most_room / bytes;
+        const size_t most = fit < processors * 8 ? fit : processors * 8;
+        const unsigned warps = (unsigned)(most > count ? count : most > 1 ? most : 1);
+        buffer<char> memory(c, warps * bytes);
+        a.memory = memory.at;
+        a.todo = left.list(rung);
+        a.left = left.list(rung ^ 1);
+        fill(c, a.left.count, 0, 1);
+        fill(c, a.next, 0, 1);
+        build_rung<uint32_t>(c, d, lists, a, warps);
+        rung ^= 1;
+    }
+}
+
+/* Those of all vertices. */
+struct star_lists {
+    buffer<uint32_t> first, entry;
+    stars view() const { return { first.at, entry.at }; }
+};
+
+star_lists find_stars(call &c, const diagram &d)
+{
+    const size_t entries = 4 * (size_t)d.simplex_count;
+    star_lists lists = { buffer<uint32_t>(c, (size_t)d.count + 1), buffer<uint32_t>(c) };
+    sortable<uint32_t> vertices(c, entries), numbers(c, entries);
+    launch(c, "pairs", pair_kernel, over(entries, 256), d.simplices, entries, vertices.array.at, numbers.array.at);
+    sort_pairs(c, vertices, numbers, entries, { 0, bits_of(c.count) });
+    launch(c, "stars", find_first_kernel, over(entries + 1, 256), vertices.array.at, entries, lists.first.at,
+           d.count);
+    lists.entry = std::move(numbers.array);
+    record_mark(c, 1);
+    return lists;
+}
+
+/* Volumes and centroids alone, in space. */
+void space_cells(call &c, const diagram &d)
+{
+    const size_t simplices = d.simplex_count;
+    const star_lists at = find_stars(c, d);
+    buffer<unsigned char> is_left(c, c.count);
+    left_cells left(c, d.count);
+    fill(c, is_left.at, 0, c.count);
+    {
+        buffer<sums> sum(c, 4 * simplices);
+        contributions out = { {}, is_left.at };
+        for (size_t i = 0; i < 4; i++) {
+            out.sum[i] = sum.at + i * simplices;
+        }
+        launch(c, "contributions", d.weights != NULL ? contribute_kernel<true> : contribute_kernel<false>,
+               over(simplices, contribute_block), d, out);
+        record_mark(c, 2);
+        launch(c, "sums", sum_kernel, over(4 * (size_t)d.count, 256), d, out, at.view(), left.list(0));
+        record_mark(c, 3);
+    }
+    build_stars(c, d, facet_lists(), at.view(), left);
+}
+
+/* All cells in space from their stars, with facets: first the counts of those that may be cut, then all. */
+void space_facets(call &c, const diagram &d, facet_lists &lists)
+{
+    const star_lists at = find_stars(c, d);
+    launch(c, "empty cells", empty_kernel<3>, over(d.count, 256), d, lists);
+    {
+        buffer<unsigned char> is_left(c, c.count);
+        left_cells left(c, d.count);
+        fill(c, is_left.at, 0, c.count);
+        launch(c, "centres", judge_kernel, over(d.simplex_count, 128), d, is_left.at);
+        launch(c, "counts", count_kernel, over(d.count, 256), d, at.view(), is_left.at, lists, left.list(0));
+        build_stars(c, d, lists, at.view(), left);
+    }
+    make_lists(c, d.count, lists);
+    record_mark(c, 2);
+    left_cells all(c, d.count);
+    launch(c, "vertices", vertices_kernel, over(4 * (size_t)d.simplex_count, 256), d, all.list(0));
+    build_stars(c, d, lists, at.view(), all);
+    record_mark(c, 3);
+}
+
+/* All cells of the plane; with facets, their counts or the lists. */
+void plane_pass(call &c, const diagram &d, const facet_lists &lists)
+{
+    left_cells left(c, d.count);
+    int rung = 0;
+    launch(c, "cells", plane_kernel, over(d.simplex_count, 128), d, lists, left.list(0));
+    for (uint32_t n = 32, count; (count = read_back(c, left.word.at + rung, PBW_STAGE_WORK, 0.5)) > 0; n *= 2) {
+        require(c, n < 1u << 28, PBW_ERROR_BACKEND, "a cell is too large for the device");
+        const size_t fit = most_room / polygon_bytes(n), threads = count < fit ? count : fit > 1 ? fit : 1;
+        const shape s = over(threads, 64);
+        buffer<char> memory(c, (size_t)s.blocks * s.threads * polygon_bytes(n));
+        fill(c, left.word.at + (rung ^ 1), 0, 1);
+        launch(c, "cut cells", polygon_kernel, s, d, lists, left.list(rung), left.list(rung ^ 1), memory.at, n);
+        rung ^= 1;
+    }
+}
+
+void plane_cells(call &c, const diagram &d, facet_lists &lists)
+{
+    launch(c, "empty cells", empty_kernel<2>, over(d.count, 256), d, lists);
+    plane_pass(c, d, lists);
+    record_mark(c, 1);
+    if (lists.first != NULL) {
+        make_lists(c, d.count, lists);
+        plane_pass(c, d, lists);
+    }
+    record_mark(c, 2);
+    record_mark(c, 3);
+}
+
+/* What a call for cells is given, and gives. */
+struct cells_request {
+    const pbw_cuda_mesh *mesh;
+    const pbw_cuda_points *points;
+    const double *box;
+    unsigned what;
+    pbw_triangulator *cpu;
+    pbw_cuda_cells *cells;
+};
+
+bool is_sound(const cells_request &q)
+{
+    const pbw_cuda_mesh *m = q.mesh;
+    const pbw_cuda_points *p = q.points;
+    bool sound = q.cells != NULL && m != NULL && p != NULL && (p->dim == 2 || p->dim == 3)
+              && (q.what & ~PBW_CUDA_FACETS) == 0 && (p->points != NULL || p->count == 0) && p->count < PBW_NONE - 4;
+    sound = sound && (m->simplex_count == 0
+                      || (m->dim == p->dim && m->point_count == p->count && m->simplex_count < PBW_NONE / 4
+                          && m->simplices != NULL && m->neighbors != NULL && m->incident != NULL));
+    for (int k = 0; sound && q.box != NULL && k < p->dim; k++) {
+        const double low = q.box[k], high = q.box[p->dim + k];
+        sound = low < high && high - low < HUGE_VAL;
+    }
+    return sound;
+}
+
+diagram diagram_of(const cells_request &q)
+{
+    const int dim = q.points->dim;
+    diagram d = {};
+    d.bounded = q.box != NULL;
+    d.count = (uint32_t)q.points->count;
+    for (int k = 0; k < 3; k++) {
+        d.low[k] = q.box != NULL && k < dim ? q.box[k] : -HUGE_VAL;
+        d.high[k] = q.box != NULL && k < dim ? q.box[dim + k] : HUGE_VAL;
+        d.extent[k] = d.high[k] - d.low[k];
+        d.slack[k] = q.box != NULL && k < dim ? 1e-14 * (fabs(d.low[k]) + fabs(d.high[k])) : 0.0;
+    }
+    return d;
+}
+
+/* Appends to host points, which span no simplex, the corners of one that is far around them and the box, of the least
+   weight: as >>flat of pbw_cells.h. */
+void add_apexes(const diagram &d, int dim, double *x, double *w)
+{
+    double low[3], high[3], far_out = 0.0;
+    for (int k = 0; k < dim; k++) {
+        low[k] = d.low[k];
+        high[k] = d.high[k];
+        for (size_t i = 0; i < d.count; i++) {
+            low[k] = std::min(low[k], x[i * (size_t)dim + (size_t)k]);
+            high[k] = std::max(high[k], x[i * (size_t)dim + (size_t)k]);
+        }
+        far_out += 8 * (high[k] - low[k]);
+    }
+    for (int i = 0; i <= dim; i++) {
+        for (int k = 0; k < dim; k++) {
+            const double away = i == dim ? -far_out : i == k ? far_out : 0;
+            x[(d.count + (size_t)i) * (size_t)dim + (size_t)k] = low[k] + away;
+        }
+        if (w != NULL) {
+            w[d.count + (size_t)i] = *std::min_element(w, w + d.count);
+        }
+    }
+}
+
+/* Makes the diagram of points that span no simplex, by the CPU, that of them and of apexes around them.  The mesh is
+   the call's until it ends. */
+void span(call &c, const cells_request &q, diagram &d, pbw_options options)
+{
+    pbw_memory &memory = ((pbw__dispatch *)c.job->context)->context->memory;
+    const size_t dim = (size_t)q.points->dim, total = d.count + dim + 1, numbers = total * (dim + 1);
+    input in = { d.points, d.weights, d.count, (int)dim, 0 };
+    double *const x = (double *)pbw__allocate(&memory, numbers, sizeof(double)), *w = NULL;
+    pbw_cuda_mesh made = {};
+    pbw_mesh host = {};
+    require(c, x != NULL, PBW_ERROR_MEMORY, no_host_memory);
+    options.backend = NULL;
+    options.trace = NULL;
+    options.flags = 0;
+    options.stride = options.weight_stride = 0;
+    options.memory_limit -= options.memory_limit > 0 ? memory.used - (memory.used == memory.limit) : 0;
+    try {
+        fetch_points(c, in, x, d.count * dim);
+        if (d.weights != NULL) {
+            w = x + total * dim;
+            memmove(w, x + d.count * dim, d.count * sizeof *w);
+        }
+        add_apexes(d, (int)dim, x, w);
+        const pbw_status status = q.cpu((int)dim, x, w, total, &options, &host);
+        require(c, status == PBW_OK, status, pbw_status_string(status));
+        in.count = total;
+        c.mesh = &made;
+        send_mesh(c, host, in);
+        double *const there = allocate<double>(c, numbers);
+        need(c, cudaMemcpyAsync(there, x, numbers * sizeof *x, cudaMemcpyHostToDevice, c.stream), "copying points");
+        d.points = there;
+        d.weights = w != NULL ? there + total * dim : NULL;
+    } catch (const failure &) {
+    }
+    c.mesh = NULL;
+    wait_for_stream(c, c.stream, PBW_STAGE_WORK, 0.1);       /* the host arrays are freed next */
+    pbw_free(&host);
+    pbw__release(&memory, x, numbers, sizeof(double));
+    throw_if_failed(c);
+    c.count = total;
+    d.simplices = made.simplices;
+    d.neighbors = made.neighbors;
+    d.incident = made.incident;
+    d.simplex_count = (uint32_t)made.simplex_count;
+}
+
+/* Makes the cells; returns PBW_OK or PBW_DEGENERATE. */
+pbw_status make_cells(call &c, const cells_request &q, const pbw_options &options)
+{
+    const pbw_cuda_points &p = *q.points;
+    const size_t dim = (size_t)p.dim;
+    pbw_cuda_cells &cells = *q.cells;
+    facet_lists lists = {};
+    diagram d = diagram_of(q);
+    const bool spans = q.mesh->simplex_count > 0;
+    record_mark(c, 0);
+    c.count = p.count;
+    cells.dim = p.dim;
+    cells.cell_count = p.count;
+    cells.volumes = d.volumes = allocate<double>(c, p.count);
+    cells.centroids = d.centroids = allocate<double>(c, p.count * dim);
+    if ((q.what & PBW_CUDA_FACETS) != 0) {
+        cells.first = lists.first = allocate<size_t>(c, p.count + 1);
+    }
+    d.points = widened(c, p.points, p.is_float != 0, p.count * dim);
+    d.weights = widened(c, p.weights, p.is_float != 0, p.count);
+    d.simplices = q.mesh->simplices;
+    d.neighbors = q.mesh->neighbors;
+    d.incident = spans ? q.mesh->incident : NULL;
+    d.simplex_count = (uint32_t)q.mesh->simplex_count;
+    if (!spans && d.bounded && p.count > 0) {
+        decline_unless(c, q.cpu != NULL, "points that span no simplex need the CPU");
+        span(c, q, d, options);
+    }
+    if (d.simplex_count == 0) {
+        launch(c, "empty cells", dim == 3 ? empty_kernel<3> : empty_kernel<2>, over(p.count, 256), d, lists);
+        if (lists.first != NULL) {
+            make_lists(c, p.count, lists);
+        }
+    } else if (dim == 2) {
+        plane_cells(c, d, lists);
+    } else if (lists.first != NULL) {
+        space_facets(c, d, lists);
+    } else {
+        space_cells(c, d);
+    }
+    cells.facet_count = lists.all;
+    cells.neighbors = lists.neighbor;
+    cells.areas = lists.area;
+    record_mark(c, 4);
+    wait(c, PBW_STAGE_WORK, 1.0);
+    for (int i = 0; i < 5 && d.simplex_count > 0; i++) {
+        need(c, cudaEventElapsedTime(&cells.milliseconds[i], c.mark[i < 4 ? i : 0], c.mark[i < 4 ? i + 1 : 4]),
+             "cudaEventElapsedTime");
+    }
+    return d.simplex_count > 0 ? PBW_OK : PBW_DEGENERATE;
+}
+
+/* The arrays of cells. */
+struct cell_arrays {
+    void *at[5];
+    size_t bytes[5];
+};
+
+cell_arrays arrays_of(const pbw_cuda_cells &cells)
+{
+    const size_t count = cells.cell_count, facets = cells.facet_count;
+    return { { cells.volumes, cells.centroids, cells.first, cells.areas, cells.neighbors },
+             { count * sizeof(double), count * (size_t)cells.dim * sizeof(double), (count + 1) * sizeof(size_t),
+               facets * sizeof(double), facets * sizeof(pbw_index) } };
+}
+
+void release_cells(call &c, const pbw_cuda_cells &cells)
+{
+    for (const void *array : arrays_of(cells).at) {
+        release(c, array, true);
+    }
+}
+
+pbw_status run_cells(const cells_request &q, const pbw_options *given_options, cudaStream_t stream,
+                     const call_resources *resources)
+{
+    request r = {};
+    local_call local{};
+    pbw_status status = PBW_OK;
+    if (q.cells != NULL) {
+        memset(q.cells, 0, sizeof *q.cells);
+    }
+    if (!is_sound(q) || !take_options(r.options, given_options)) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    r.in.dim = q.points->dim;
+    r.stream = stream;
+    r.cpu = q.cpu;
+    r.resources = resources;
+    try {
+        open_local(local, r);
+        status = make_cells(local.c, q, r.options);
+        release_cells(local.c, *q.cells);
+    } catch (const failure &) {
+        memset(q.cells, 0, sizeof *q.cells);
+    }
+    const pbw_status failed = close_local(local);
+    if (failed != PBW_OK) {
+        pbw_cuda_cells_free(q.cells, stream);
+    }
+    return failed != PBW_OK ? failed : status;
+}
+
+} /* namespace */
+
+extern "C" pbw_status pbw_cuda_cells_of(const pbw_cuda_mesh *mesh, const pbw_cuda_points *points, const double *box,
+                                        unsigned what, const pbw_options *options, void *stream,
+                                        pbw_triangulator *cpu, pbw_cuda_cells *cells)
+{
+    return run_cells({ mesh, points, box, what, cpu, cells }, options, (cudaStream_t)stream, NULL);
+}
+
+namespace {
+/* The memory of the host that holds the arrays of cells, which follow it. */
+struct alignas(16) host_cells {
+    pbw_memory memory;
+    size_t bytes;
+};
+
+/* Copies the arrays of cells to the host. */
+pbw_status fetch_cells(const pbw_cuda_cells &made, const pbw_options &options, cudaStream_t stream,
+                       pbw_cuda_cells *cells)
+{
+    const cell_arrays from = arrays_of(made);
+    size_t bytes = sizeof(host_cells);
+    pbw_memory memory;
+    void *to[5] = {};
+    pbw_memory_start(&memory, &options);
+    for (int i = 0; i < 5; i++) {
+        bytes += from.at[i] != NULL ? from.bytes[i] : 0;
+    }
+    host_cells *const block = (host_cells *)pbw__allocate(&memory, bytes, 1);
+    if (block == NULL) {
+        return PBW_ERROR_MEMORY;
+    }
+    cudaError_t error = cudaSuccess;
+    char *next = (char *)(block + 1);
+    for (int i = 0; i < 5 && error == cudaSuccess; i++) {
+        if (from.at[i] != NULL) {
+            to[i] = next;
+            next += from.bytes[i];
+            error = cudaMemcpyAsync(to[i], from.at[i], from.bytes[i], cudaMemcpyDeviceToHost, stream);
+        }
+    }
+    const cudaError_t last = cudaStreamSynchronize(stream);  /* copies may be under way even after an error */
+    if (error != cudaSuccess || last != cudaSuccess) {
+        pbw__release(&memory, block, bytes, 1);
+        return PBW_ERROR_BACKEND;
+    }
+    *block = host_cells{ memory, bytes };
+    *cells = made;
+    cells->volumes = (double *)to[0];
+    cells->centroids = (double *)to[1];
+    cells->first = (size_t *)to[2];
+    cells->areas = (double *)to[3];
+    cells->neighbors = (pbw_index *)to[4];
+    cells->memory = block;
+    return PBW_OK;
+}
+
+/* Copies points to the device and makes their mesh and cells there. */
+pbw_status cells_of_points(const pbw_cuda_points &host, const cells_request &q, pbw_options options,
+                           cudaStream_t stream)
+{
+    const size_t numbers = host.count * (size_t)host.dim, all = numbers + (host.weights != NULL ? host.count : 0);
+    pbw_cuda_points there = host;
+    pbw_cuda_mesh mesh = {};
+    double *points = NULL;
+    pbw_status status = PBW_ERROR_BACKEND;
+    if (cudaMallocAsync((void **)&points, all * sizeof *points + 1, stream) != cudaSuccess) {
+        return status;
+    }
+    there.points = points;
+    there.weights = host.weights != NULL ? points + numbers : NULL;
+    if (cudaMemcpyAsync(points, host.points, numbers * sizeof *points, cudaMemcpyHostToDevice, stream) == cudaSuccess
+        && (host.weights == NULL || cudaMemcpyAsync(points + numbers, host.weights, host.count * sizeof *points,
+                                                    cudaMemcpyHostToDevice, stream) == cudaSuccess)) {
+        status = pbw_cuda_triangulate(host.dim, 0, there.points, there.weights, host.count, &options, stream, q.cpu,
+                                      &mesh);
+        options.flags = 0;
+        if (status == PBW_OK || status == PBW_DEGENERATE) {
+            status = run_cells({ &mesh, &there, q.box, q.what, q.cpu, q.cells }, &options, stream, NULL);
+        }
+    }
+    pbw_cuda_free(&mesh, stream);
+    cudaFreeAsync(points, stream);
+    return status;
+}
+
+void say(const pbw_options &options, const char *text)
+{
+    if (options.message != NULL && options.message_size > 0) {
+        snprintf(options.message, options.message_size, "%s", text);
+    }
+}
+
+} /* namespace */
+
+extern "C" pbw_status pbw_cuda_cells_of_host(int dim, const double *points, const double *weights, size_t count,
+                                             const double *box, unsigned what, const pbw_options *given_options,
+                                             pbw_triangulator *cpu, pbw_cuda_cells *cells)
+{
+    const pbw_cuda_points host = { dim, 0, points, weights, count, 0 };
+    const pbw_cuda_mesh no_mesh = {};
+    pbw_cuda_cells made = {};
+    const cells_request q = { &no_mesh, &host, box, what, cpu, &made };
+    pbw_options options;
+    cudaStream_t stream = NULL;
+    if (cells != NULL) {
+        memset(cells, 0, sizeof *cells);
+    }
+    if (cells == NULL || !is_sound(q) || !take_options(options, given_options)) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    say(options, "");
+    pbw_status status = PBW_ERROR_BACKEND;
+    if (cudaStreamCreateWithFlags(&stream, cudaStreamNonBlocking) == cudaSuccess) {
+        status = cells_of_points(host, q, options, stream);
+        if (status == PBW_OK || status == PBW_DEGENERATE) {
+            const pbw_status fetched = fetch_cells(made, options, stream, cells);
+            status = fetched != PBW_OK ? fetched : status;
+        }
+        pbw_cuda_cells_free(&made, stream);
+        cudaStreamSynchronize(stream);
+        cudaStreamDestroy(stream);
+    }
+    const cudaError_t error = cudaGetLastError();
+    if (status == PBW_ERROR_BACKEND && error != cudaSuccess
+        && (options.message == NULL || options.message_size == 0 || options.message[0] == 0)) {
+        say(options, cudaGetErrorString(error));
+    }
+    return status;
+}
+
+extern "C" void pbw_cuda_cells_free(pbw_cuda_cells *cells, void *stream)
+{
+    if (cells == NULL) {
+        return;
+    }
+    if (cells->memory != NULL) {
+        host_cells *const block = (host_cells *)cells->memory;
+        pbw_memory memory = block->memory;
+        pbw__release(&memory, block, block->bytes, 1);
+    } else {
+        for (void *array : arrays_of(*cells).at) {
+            if (array != NULL) {
+                cudaFreeAsync(array, (cudaStream_t)stream);
+            }
+        }
+    }
+    memset(cells, 0, sizeof *cells);
+}
+
+extern "C" pbw_status pbw_cuda_loop_cells(pbw_cuda_loop *loop, const pbw_cuda_points *points, const double *box,
+                                          unsigned what, pbw_cuda_cells *cells)
+{
+    int device = -1;
+    pbw_cuda_cells made = {};
+    if (cells != NULL) {
+        memset(cells, 0, sizeof *cells);
+    }
+    if (loop == NULL || cells == NULL || cudaGetDevice(&device) != cudaSuccess || device != loop->device) {
+        (void)cudaGetLastError();
+        return PBW_ERROR_ARGUMENT;
+    }
+    const pbw_status status = run_cells({ &loop->last.mesh, points, box, what, loop->cpu, &made }, &loop->options,
+                                        loop->stream, &loop->resources);
+    pbw_cuda_cells_free(&loop->cells, loop->stream);
+    *cells = loop->cells = made;
+    return status;
 }
