@@ -2703,7 +2703,8 @@ template <int DIM, bool WEIGHTED> uint32_t build_near_stars(call &c, const star_
 
        |x|^2 - q . x - h |x|_1 >= sum over axes of t (t - q) - h |t| - h^2 / 4,
 
-   because |x|^2 - q . x >= t (t - q) + (x - t)^2 on each axis and (x - t)^2 - h |x - t| >= -h^2 / 4.
+   because |x|^2 - q . x >= t (t - q) + (x - t)^2 on each axis and (x - t)^2 - h |x - t| >= -h^2 / 4.  For a simplex
+   so flat that h is large, it is closer to take the largest |x|_1 of the box instead of |t|_1 + h / 4.
    ------------------------------------------------------------------------------------------------------ */
 /* Stars live in shared memory, or without SHARED in scratch.  blocks: on a multiprocessor. */
 template <int TRIANGLES, int WARPS, int BLOCKS, bool EXACT, bool SHARED> struct rung {
@@ -2734,18 +2735,21 @@ template <int WARPS> DEVICE void sync_warps()
 /* Returns whether a simplex, not a wall, may be in conflict with a point in a box; weight: the largest less v's. */
 template <int DIM, bool WEIGHTED> DEVICE bool box_may_conflict(const float4 &sphere, const span &b, float weight)
 {
-    float q[3] = { sphere.x, sphere.y, sphere.z }, size = sphere.w, sum = 0.0f, squares = 0.0f, ones = 0.0f;
+    float q[3] = { sphere.x, sphere.y, sphere.z }, size = sphere.w;
+    float sum = 0.0f, squares = 0.0f, ones = 0.0f, most = 0.0f;
     bool infinite = size >= far_away;
-    float h = infinite ? 0.0f : slack * size;
+    float h = slack * size;
     for (int k = 0; k < DIM; k++) {
         float at = infinite ? (q[k] > 0.0f ? b.high[k] : b.low[k]) : fminf(fmaxf(0.5f * q[k], b.low[k]), b.high[k]);
         sum += infinite ? -at * q[k] : at * (at - q[k]);
         squares = fmaf(at, at, squares);
-        ones += infinite ? fmaxf(fabsf(b.low[k]), fabsf(b.high[k])) : fabsf(at);
+        ones += fabsf(at);
+        most += fmaxf(fabsf(b.low[k]), fabsf(b.high[k]));
     }
     sum -= infinite || !WEIGHTED ? 0.0f : weight;
     squares = infinite ? 0.0f : squares + (WEIGHTED ? fabsf(weight) : 0.0f);
-    return !(sum > 2.0f * slack * (squares + size * ones) + h * h);
+    const float error = infinite ? 2.0f * h * most : fminf(2.0f * h * ones + h * h, 2.0f * h * most);
+    return !(sum > 2.0f * slack * squares + error);
 }
 
 /* Finds four points that span the space: the first point, then the one farthest from the span of those before. */
