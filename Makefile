@@ -54,6 +54,7 @@ all: $B/pbw $(MPI) $(EXAMPLES:%=$B/%) $(EXAMPLES_CXX:%=$B/%) $B/libpbw_python.so
 help:
 	@echo 'make             builds the examples into $B/, the pbw program among them'
 	@echo 'make demo        makes a model, samples, triangulates, proves, draws and writes it'
+	@echo 'make GPU=1 B=build/gpu  builds them with pbw_cuda.cu: pbw cells --gpu, and in Python device="cuda"'
 	@echo 'make web         WebAssembly for JavaScript and a page that shows it, by emscripten, into $B/web'
 	@echo 'make page        puts examples/lib/view/ and film/ into pbw_view.h and pbw_film.h'
 	@echo 'make examples    runs the examples and compares what they print with examples/expected'

@@ -5,6 +5,7 @@
 #   make cuda-sanitize all of its tests under compute-sanitizer, side by side: tests/cuda_sanitize.py, ARGS=
 #   make cuda-bench    measures it: ARGS=--quick, or KIND:DIM:COUNT[:w] ...
 #   make cuda-cells-bench  measures its cells: ARGS=KIND:DIM:COUNT[:w] ...
+#   make GPU=1 B=build/gpu  builds the pbw program and the Python library with it
 NVCC ?= $(firstword $(shell command -v nvcc) $(wildcard /usr/local/cuda/bin/nvcc))
 CUDA_HOME ?= $(patsubst %/bin/nvcc,%,$(NVCC))
 CUDA_FLAGS ?= -O3
@@ -14,7 +15,13 @@ CUDA_SANITIZER = $(firstword $(shell command -v compute-sanitizer) $(wildcard $(
 .PHONY: cuda cuda-test cuda-sanitize cuda-bench cuda-cells-bench
 $B/cuda.o: pbw_cuda.cu pbw.h examples/lib/pbw_check.h
 	@mkdir -p $B
-	$(NVCC) $(CUDA_FLAGS) -I. -Iexamples/lib -c $< -o $@
+	$(NVCC) $(CUDA_FLAGS) -Xcompiler -fPIC -I. -Iexamples/lib -c $< -o $@
+
+ifdef GPU
+$B/pbw $B/libpbw_python.so: $B/cuda.o
+$B/pbw $B/libpbw_python.so: private LIBS := $B/cuda.o -L$(CUDA_HOME)/lib64 -lcudart_static -lstdc++ -ldl -lrt $(LIBS)
+$B/objects/gpu.o $B/libpbw_python.so: private C += -DPBW_CUDA
+endif
 
 $B/cuda_few.o: pbw_cuda.cu pbw.h examples/lib/pbw_check.h
 	@mkdir -p $B

@@ -490,6 +490,27 @@ def cells_of_flat_points():
 
 
 @test
+def cells_by_a_gpu():
+    """The same as by the CPU; without CUDA or without a GPU an error that says so."""
+    rng = np.random.default_rng(5)
+    for dim in (2, 3):
+        points, weights, box = rng.random((3000, dim)), rng.random(3000) * 1e-3, [[0.1] * dim, [1] * dim]
+        try:
+            cells = pbw.power_cells(points, weights, box, device="cuda")
+        except pbw.Error as e:
+            check(re.search("^device='cuda': (pbw was built without CUDA: PBW_CUDA=1 |no usable device)", str(e)), e)
+        else:
+            expected = pbw.power_cells(points, weights, box)
+            for name in ("volumes", "centroids", "first", "neighbors", "areas"):
+                equal(getattr(cells, name), getattr(expected, name))
+            equal(pbw.lloyd(points, 3, box, device="cuda"), pbw.lloyd(points, 3, box))
+        raises_text(ValueError, "device must be 'cpu' or 'cuda', not 'gpu'", pbw.power_cells, points, device="gpu")
+        for more in ({"periodic": "x"}, {"merge": True}, {"lattice": np.eye(dim)}):
+            raises_text(ValueError, "device='cuda' makes no cells with " + list(more)[0], pbw.power_cells, points,
+                        box=box, device="cuda", **more)
+
+
+@test
 def lloyd_lowers_the_energy():
     for dim in (2, 3):
         for axes in ("", "x"):

@@ -10,6 +10,8 @@ static const option cells_options[] = {
     { "--periodic", "xyz", "the axes along which the box repeats", AXES, 0, 0, NULL },
     { "--lattice", "X,Y[,Z],...", "all repeats by these vectors, at any angles: in 2D two, in 3D three",
       LATTICE, 0, 0, NULL },
+    { "--gpu", NULL, "mesh and cells by an NVIDIA GPU, for .csv: the same bytes; `make GPU=1` builds that in", SWITCH,
+      0, 0, NULL },
     { "--merge", NULL, "the true diagram: centres that coincide are one corner, facets without area left out", SWITCH,
       0, 0, NULL },
     { NULL, NULL, NULL, SWITCH, 0, 0, NULL }
@@ -260,16 +262,19 @@ static unsigned axes_of(const job *j)
     return axes;
 }
 
-/* Products of four and five lengths of the size of the points' box are doubles. */
-static int is_in_range(const pbwio_cloud *c)
+/* Unless products of four and five lengths of the size of the points' box are doubles. */
+static void warn_of_range(const job *j)
 {
+    const pbwio_cloud *c = &j->cloud;
     const size_t dim = (size_t)c->dim;
     double extent = 0;
     size_t i;
     for (i = dim; i < dim * c->count; i++) {
         extent = fmax(extent, fabs(c->points[i] - c->points[i % dim]));
     }
-    return extent == 0 || (extent >= 1e-57 && extent <= 1e60);
+    if (extent != 0 && (extent < 1e-57 || extent > 1e60)) {
+        warn(j, "points beyond 1e-57 to 1e60 of each other: volumes over- or underflow");
+    }
 }
 
 static int make(job *j, const pbw_domain *domain, unsigned what, pbw_cells *cells)
@@ -307,9 +312,18 @@ static int make(job *j, const pbw_domain *domain, unsigned what, pbw_cells *cell
                   text_of(j, "--clip"));
     if (!failed) {
         report_step(j, "cells", now() - start, "%s", "");
-        if (!is_in_range(c)) {
-            warn(j, "points beyond 1e-57 to 1e60 of each other: volumes over- or underflow");
-        }
+        warn_of_range(j);
+    }
+    return failed;
+}
+
+static int make_by_gpu(job *j, const double *box, pbw_cells *cells)
+{
+    const double start = now();
+    const int failed = gpu_cells(j, box, cells);
+    if (!failed) {
+        report_step(j, "cells", now() - start, "%s", "with the mesh, on the GPU");
+        warn_of_range(j);
     }
     return failed;
 }
@@ -426,7 +440,8 @@ static int run(job *j)
     }
     if (!failed) {
         what = contents_of(j);
-        failed = what < 0 ? FAILURE : make(j, &domain, (unsigned)what, &cells);
+        failed = what < 0 ? FAILURE : is_given(j, "--gpu") ? make_by_gpu(j, domain.box, &cells)
+               : make(j, &domain, (unsigned)what, &cells);
     }
     if (!failed) {
         report(j, &cells, &domain, clipped);
@@ -443,7 +458,7 @@ static int run(job *j)
         failed = write_with(j, write_cells, shown);
     }
     pbw_cells_free(&bounded);
-    pbw_cells_free(&cells);
+    (is_given(j, "--gpu") ? gpu_free : pbw_cells_free)(&cells);
     pbwio_free(&clip);
     free(kept);
     return failed;

@@ -44,6 +44,8 @@ static const rule rules[] = {
     { .commands = "cells", .option = "--periodic", .needs = "--box" },
     { .commands = "cells", .option = "--box", .excludes = "--clip --lattice" },
     { .commands = "cells", .option = "--lattice", .excludes = "--clip --periodic" },
+    { .commands = "cells", .option = "--gpu",
+      .excludes = "--clip --lattice --periodic --merge .vtu .obj .svg .html .geojson" },
     { .commands = "plane", .option = "--coarsen", .needs = "--size" },
     { .commands = "plane", .option = "--gradation", .needs = REFINING },
     { .commands = "plane", .option = "--keep-boundary", .needs = REFINING },

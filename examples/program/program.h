@@ -222,6 +222,13 @@ int explain_io(const job *j, pbwio_status status, const pbwio_error *error);    
 int explain_file(const job *j, pbw_status status, const char *why);  /* of the input; why: in words, "" = none */
 pbwsample_model model_of(const pbwio_cloud *cloud);
 
+/* ---- gpu.c ---- */
+
+/* Makes volumes, centroids and facets of the job's points in a box, or with NULL in the whole space.  Returns 0 or the
+   exit status: also without CUDA in the program, or without a GPU.  For gpu_free, not for pbw_cells_free. */
+int gpu_cells(job *j, const double *box, pbw_cells *cells);
+void gpu_free(pbw_cells *cells);
+
 /* ---- filemesh.c: simplices that a file has; each returns 0 or the exit status ---- */
 
 typedef struct mesh_fault { size_t count, first; } mesh_fault;       /* first: the number of a simplex */

@@ -3,7 +3,8 @@
     pip install ./examples/python            # from the source tree: no network, where NumPy is installed
     python3 examples/python/build.py DIST    # the wheel alone, into the folder DIST, without pip
 
-CC and CFLAGS come from the environment.  The wheel fits every Python 3 of this machine's kind, for the library is
+CC and CFLAGS come from the environment; with PBW_CUDA=1 there, nvcc (NVCC) builds pbw_cuda.cu into the library, for
+device="cuda".  The wheel fits every Python 3 of this machine's kind, for the library is
 loaded by ctypes.  Headers are read from the source tree, or from beside this file in a source archive.
 """
 import base64
@@ -13,6 +14,7 @@ import io
 import os
 import re
 import shlex
+import shutil
 import subprocess
 import sys
 import sysconfig
@@ -64,6 +66,25 @@ def _modules():
     return [("pbw/" + os.path.basename(path), _read(path)) for path in paths]
 
 
+def _compile_cuda(folder):
+    """What the C compiler links, and how, for a library with pbw_cuda.cu; nothing without PBW_CUDA=1."""
+    if os.environ.get("PBW_CUDA", "0") in ("", "0"):
+        return []
+    compiler = os.environ.get("NVCC") or shutil.which("nvcc") or "/usr/local/cuda/bin/nvcc"
+    source, target = _header("pbw_cuda.cu"), os.path.join(folder, "cuda.o")
+    command = [compiler, "-O3", "-Xcompiler", "-fPIC", *("-I" + os.path.dirname(path) for path in _headers()),
+               "-c", source, "-o", target]
+    print(shlex.join(command))
+    try:
+        subprocess.run(command, check=True)
+    except FileNotFoundError:
+        raise SystemExit("PBW_CUDA=1: %s is not there; set NVCC" % compiler) from None
+    except subprocess.CalledProcessError as e:
+        raise SystemExit("nvcc failed: %s" % e) from None
+    libraries = os.path.join(os.path.dirname(os.path.dirname(os.path.realpath(shutil.which(compiler)))), "lib64")
+    return ["-DPBW_CUDA", target, "-L" + libraries, "-lcudart_static", "-lstdc++", "-ldl", "-lrt"]
+
+
 def _compile():
     """The bytes of the shared library."""
     compiler = shlex.split(os.environ.get("CC") or "cc")
@@ -71,7 +92,8 @@ def _compile():
     with tempfile.TemporaryDirectory() as folder:
         target = os.path.join(folder, LIBRARY)
         command = [*compiler, *flags, *("-I" + os.path.dirname(path) for path in _headers()),
-                   *(os.path.join(HERE, name) for name in SOURCES), "-o", target, "-lpthread", "-lm"]
+                   *(os.path.join(HERE, name) for name in SOURCES), "-o", target, *_compile_cuda(folder), "-lpthread",
+                   "-lm"]
         print(shlex.join(command))
         try:
             subprocess.run(command, check=True)

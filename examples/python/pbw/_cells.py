@@ -70,7 +70,17 @@ def _checked_lattice(lattice, box, dim):
     return lattice
 
 
-def power_cells(points, weights=None, box=None, *, periodic="", lattice=None, merge=False, threads=0):
+def _is_cuda(device, **others):
+    """Whether the device is a GPU; others: arguments by name that need the CPU."""
+    if device not in ("cpu", "cuda"):
+        raise ValueError("device must be 'cpu' or 'cuda', not %r" % (device,))
+    for name, value in others.items():
+        if device == "cuda" and value is not None and value is not False and value != "":
+            raise ValueError("device='cuda' makes no cells with %s" % name)
+    return device == "cuda"
+
+
+def power_cells(points, weights=None, box=None, *, periodic="", lattice=None, merge=False, threads=0, device="cpu"):
     """The cells of the power diagram of points, without weights of the Voronoi diagram; see Cells.
 
     box        low corner and high corner: cells end there; None: those at the hull are unbounded.  In a box, one
@@ -78,26 +88,33 @@ def power_cells(points, weights=None, box=None, *, periodic="", lattice=None, me
     periodic   the axes along which the box repeats, such as "xy"
     lattice    instead of a box: vectors, a row each, by which all repeats, at any angles, as of triclinic crystals
     merge      the true diagram: centres that coincide are one vertex, facets without area are left out
+    device     "cuda": mesh and cells by an NVIDIA GPU, in a box or in the whole space; the same bytes, but vertices,
+               loops and rays are None.  Raises Error if pbw was built without CUDA, or there is no GPU
     """
+    by_gpu = _is_cuda(device, periodic=periodic, lattice=lattice, merge=merge)
     points = checked_points(points)
     weights = None if weights is None else checked_weights(weights, len(points))
     check_options(False, None, threads)
     box = _checked_box(box, points.shape[1])
     axes = _checked_axes(periodic, box, points.shape[1])
     lattice = _checked_lattice(lattice, box, points.shape[1])
+    if by_gpu:
+        return Cells(_library.gpu_cells(points, weights, box, True, threads))
     what = FACETS | SHAPES | (MERGE if merge else 0)
     if box is not None or lattice is not None:
         return Cells(_library.boxed_cells(points, weights, box, lattice, axes, what, threads))
     return Cells(Mesh(points, weights, threads, None).cells(what))
 
 
-def lloyd(points, steps=10, box=None, *, periodic="", lattice=None, threads=0):
+def lloyd(points, steps=10, box=None, *, periodic="", lattice=None, threads=0, device="cpu"):
     """The points after so many steps of Lloyd's relaxation: each moves to the centroid of its Voronoi cell.
 
     box        low corner and high corner, default that of the points' bounds; along axes of periodic it repeats
     lattice    instead of a box: vectors, a row each, by which all repeats, at any angles, as of triclinic crystals.
                Then points are moved by sums of vectors, as by power_cells
+    device     "cuda": by an NVIDIA GPU, as by power_cells
     """
+    by_gpu = _is_cuda(device, periodic=periodic, lattice=lattice)
     points = checked_points(points)
     check_options(False, None, threads)
     if operator.index(steps) < 0:
@@ -109,7 +126,9 @@ def lloyd(points, steps=10, box=None, *, periodic="", lattice=None, threads=0):
     box = _checked_box(box, dim)
     axes = _checked_axes(periodic, box, dim)
     for _ in range(steps):
-        points = _library.boxed_cells(points, None, box, lattice, axes, 0, threads)["centroids"]
+        cells = (_library.gpu_cells(points, None, box, False, threads) if by_gpu
+                 else _library.boxed_cells(points, None, box, lattice, axes, 0, threads))
+        points = cells["centroids"]
     return points
 
 
