@@ -367,6 +367,10 @@ check "a thin wall" says 1 "of the size 30" solid cube.obj --size 30
 check "a cavity" says 0 "volume 0.936, of the surface 0.936" solid both.obj --size 0.3
 check "--nested" says 0 " in 2 regions, " solid both.obj --size 0.3 --nested
 check "--size" more cube.obj "--size 0.4" "--size 0.2"
+check "--region-sizes" more both.obj "--size 0.4 --nested" "--size 0.4 --nested --region-sizes 0=1,1=0.05"
+for wrong in 1 1=0 =3 1=0.1x 1=0.1,; do
+    check "--region-sizes $wrong" says 2 "R=H is needed at" solid both.obj --region-sizes "$wrong"
+done
 check "--least-size" more both.obj "--size 0.4 --least-size 0.39" "--size 0.4 --least-size 0.05"
 check "--distance" more ball.obj "--size 0.8 --distance 0.5" "--size 0.8 --distance 0.03"
 check "--curvature" more ball.obj "--size 0.8" "--size 0.8 --curvature 0.4"

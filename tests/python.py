@@ -1627,6 +1627,10 @@ def solids():
     few, many = [len(pbw.solid(cube, hull, size=lambda p: min(0.08 + 0.5 * p[0], 0.2), gradation=g).tets)
                  for g in (0, 0.05)]
     check(many > 1.2 * few, few, many)
+    few, many = [len(pbw.solid(cube, hull, size=0.3, region_sizes=sizes).tets) for sizes in (None, {0: 0.1})]
+    check(many > 5 * few, few, many)
+    raises_text(ValueError, "the size of a region must be from 0 to .*, not -1", pbw.solid, cube, hull,
+                region_sizes={0: -1})
     report = made.report
     equal([report[name] for name in ("bad_edges", "bad_points", "missing_edges", "open_edges")], [0] * 4)
     check(report["euler"] == 2 and report["corners"] == 8 and abs(volumes(made).sum() - 1) < 1e-12, report)

@@ -1015,6 +1015,66 @@ static void test_sizes(void)
     test_end();
 }
 
+/* Sizes of regions: a box in a box, and two cubes with a wall in common. */
+static void test_region_sizes(void)
+{
+    static const double at[3] = { 0, 0, 0 }, end[3] = { 2, 2, 2 }, low[3] = { 0.7, 0.7, 0.7 };
+    static const double high[3] = { 1.3, 1.3, 1.3 };
+    static const size_t two[3] = { 2, 1, 1 };
+    static part m;
+    const double sizes[2] = { 0, 0.1 }, wrong[2] = { 0.1, -1 };
+    pbw_solid_options how;
+    pbw_options one;
+    pbw_solid_report r;
+    pbw_solid_input in;
+    pbw_tets mesh;
+    size_t i;
+    int walls;
+    if (!test_begin("sizes of regions")) {
+        return;
+    }
+    for (walls = 0; walls < 2; walls++) {
+        double mean[2] = { 0, 0 }, most = 0;
+        size_t count[2] = { 0, 0 };
+        m.points = m.triangles = 0;
+        if (walls) {
+            (void)make_cubes(&m, two, 0);
+        } else {
+            (void)part_box(&m, at, end, 0);
+            (void)part_box(&m, low, high, 0);
+        }
+        in = input_of(&m);
+        memset(&how, 0, sizeof how);
+        memset(&one, 0, sizeof one);
+        how.size = 0.4;
+        how.nested = 1;
+        how.region_sizes = sizes;
+        how.region_size_count = 2;
+        one.threads = 1;
+        CHECK_EQUAL(pbw_solid(&in, &how, &one, &mesh, NULL, &r), PBW_OK);
+        check_threads(&in, &how, &mesh);
+        CHECK(is_sound(&mesh) && r.settled && r.regions == 2 && r.bad_edges + r.bad_points == 0);
+        CHECK(r.improve.after.least > 20);
+        for (i = 0; i < 6 * mesh.tet_count; i++) {
+            const double length = pbwsf__distance(
+                mesh.points + 3 * (size_t)mesh.corners[i / 6 * 4 + (size_t)pbwim__edge[i % 6][0]],
+                mesh.points + 3 * (size_t)mesh.corners[i / 6 * 4 + (size_t)pbwim__edge[i % 6][1]]);
+            const size_t region = mesh.regions[i / 6];
+            count[region]++;
+            mean[region] += length;
+            most = region == 1 ? fmax(most, length) : most;
+        }
+        mean[0] /= (double)count[0];
+        mean[1] /= (double)count[1];
+        CHECK(mean[1] > 0.05 && mean[1] < 0.12 && most < 0.25 && mean[0] > 1.3 * mean[1]);
+        test_say("%zu tetrahedra, edges %.4f and %.4f, at most %.4f", mesh.tet_count, mean[0], mean[1], most);
+        pbw_tets_free(&mesh);
+    }
+    how.region_sizes = wrong;
+    CHECK_EQUAL(pbw_solid(&in, &how, NULL, &mesh, NULL, &r), PBW_ERROR_ARGUMENT);
+    test_end();
+}
+
 /* A ball without some triangles: holes named and closed; a half of it; its triangles turned any way. */
 static void test_holes(void)
 {
@@ -1361,6 +1421,7 @@ int main(int argc, char **argv)
     test_cut_ball();
     test_patches();
     test_sizes();
+    test_region_sizes();
     test_holes();
     test_warnings();
     test_stages();

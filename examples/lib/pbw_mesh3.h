@@ -68,8 +68,8 @@
    Sizes are those of the options, but smaller where two sheets of the surface are near each other: three quarters of
    their distance, or four thirds if that is below 0.4 sizes, but at least 1/6 of the size, or 1/3 if no sharp edges
    are kept, and at tips 1/12; between shells 1/40, if two million tetrahedra will do; likewise between sharp
-   edges that do not meet.  A callback and, with options.curvature, the curvature
-   lower them too.  They grow by options.gradation for each unit of length.
+   edges that do not meet.  A callback, sizes of regions and, with options.curvature, the curvature lower them, too.
+   They grow by options.gradation for each unit of length.
    Triangles of a shell are oriented alike.  Holes of an open surface are reported, and closed by triangles of least
    area (Barequet and Sharir 1995).  If these have more than 0.34 of the surface's area, it is refused, unless
    options.close is 1.  Where open edges form no loops, inside is where the winding number is above 1/2.  Where shells
@@ -141,6 +141,11 @@ typedef struct pbw_solid_options {         /* NULL or all zero = best defaults *
        rounds = 0, unless options.threads is 1.  NULL = none. */
     double (*size_at)(void *user, const double point[3]);
     void *size_user;
+    /* The length of edges in the region of each number below region_size_count, and on its boundary, where it is
+       below the size; 0 = the size.  What is thinner than a size of the other regions may get some longer edges.
+       NULL = none. */
+    const double *region_sizes;
+    size_t region_size_count;
     double curvature;                      /* sizes are at most this divided by the curvature, the root of the sum of
                                               both principal ones' squares; 0 = whatever it is.  2 pi / N: a
                                               circle gets N edges */
@@ -573,6 +578,17 @@ static pbw_index pbwm3__nearest(const pbwm3__work *w, const double p[3], double 
         }
     }
     return found;
+}
+
+/* Returns whether one of these is nearer to p than a distance: where most are, in its own cell, is looked first. */
+static int pbwm3__has_near(const pbwm3__work *w, const double p[3], double within, int least, int most)
+{
+    const unsigned char *kinds = w->kind.at;
+    pbw_index q = w->heads.at[pbwm3__cell_of(w, p)];
+    while (q != PBW_NONE && !(kinds[q] >= least && kinds[q] <= most && pbwsf__distance(p, w->x.at[q]) < within)) {
+        q = w->links.at[q];
+    }
+    return q != PBW_NONE || pbwm3__nearest(w, p, within, least, most) != PBW_NONE;
 }
 
 static void pbwm3__put_in_cell(pbwm3__work *w, pbw_index p)
@@ -2724,7 +2740,7 @@ static double pbwm3__random(uint64_t i)
 /* ------------------------------------------------------------------------------------------------------
    >>sizes        Local sizes.
    In: the surface, chains, the caller's sizes.  Out: `field`, a size per cell, the least of
-     - the size, and the caller's;
+     - the size, the caller's at the place, and that of its region;
      - three quarters of the distance between two sheets of the surface that face each other, or four thirds of it
        below 0.4 sizes;
      - two thirds of the distance between sharp chains without a common corner;
@@ -2747,9 +2763,19 @@ static double pbwm3__gap_floor(const pbwm3__work *w, pbw_index a, pbw_index b, c
     return apart ? w->gap_floor : w->floor;
 }
 
-/* Returns the size at p, a point of the triangle, from the first triangles that rays along both normals meet, if
-   these face it: both planes meet farther away than 1.5 sizes, so that acute edges are no walls.  Walls below 0.4
-   sizes get one layer of tetrahedra: edges between half and the whole of their thickness make flat ones. */
+/* The size that the caller gives the region at p, infinite if none. */
+static double pbwm3__region_size(const pbwm3__work *w, const double p[3])
+{
+    const size_t count = w->how.region_sizes != NULL ? w->how.region_size_count : 0;
+    const pbw_index region = count > 0 ? pbwm3__shells_around(w, p, (size_t)-1).innermost : PBW_NONE;
+    return region != PBW_NONE && region < count && w->how.region_sizes[region] > 0
+         ? fmax(w->how.region_sizes[region], w->how.least_size) : HUGE_VAL;
+}
+
+/* Returns the size at p, a point of the triangle: those of the regions on both sides; and from the first triangles
+   that rays along both normals meet, if these face it: both planes meet farther away than 1.5 sizes, so that acute
+   edges are no walls.  Walls below 0.4 sizes get one layer of tetrahedra: edges between half and the whole of their
+   thickness make flat ones. */
 static double pbwm3__measure_gap(const pbwm3__work *w, pbw_index triangle, const double p[3])
 {
     double n[3], m[3], a[3], b[3], across[3], where, gap, length, least = HUGE_VAL;
@@ -2762,6 +2788,7 @@ static double pbwm3__measure_gap(const pbwm3__work *w, pbw_index triangle, const
             a[k] = p[k] + side * 1e-3 * w->size * n[k] / length;
             b[k] = p[k] + side * 1.4 * w->size * n[k] / length;
         }
+        least = fmin(least, pbwm3__region_size(w, a));
         met = pbw_surface_meets(&w->surface, a, b, &where);
         gap = where * 1.399 + 1e-3;
         if (met != PBW_NONE) {
@@ -2984,18 +3011,22 @@ static int pbwm3__measure_chains(pbwm3__work *w)
 /* The caller's sizes at the middles of cells and of their eight parts. */
 static void pbwm3__take_sizes(pbwm3__work *w)
 {
+    const int given = w->how.size_at != NULL || w->how.region_sizes != NULL;
     size_t i, cell = 0;
     int k;
-    for (i = 0; w->how.size_at != NULL && i < 9 * w->n[0] * w->n[1] * w->n[2] && !pbwm3__ends_at(w, i, 1024);
-         i++) {
+    for (i = 0; given && i < 9 * w->n[0] * w->n[1] * w->n[2] && !pbwm3__ends_at(w, i, 1024); i++) {
         const int part = (int)(i % 9);
-        double p[3];
+        double p[3], *field;
         cell = i / 9;
         for (k = 0; k < 3; k++) {
             const size_t at = k == 0 ? cell % w->n[0] : k == 1 ? cell / w->n[0] % w->n[1] : cell / w->n[0] / w->n[1];
             p[k] = w->low[k] + w->size * ((double)at + (part == 8 ? 0.5 : part >> k & 1 ? 0.75 : 0.25));
         }
-        pbwm3__lower(w, p, w->how.size_at(w->how.size_user, p));
+        if (w->how.size_at != NULL) {
+            pbwm3__lower(w, p, w->how.size_at(w->how.size_user, p));
+        }
+        field = w->field.at + pbwm3__field_cell(w, p);
+        *field = fmin(*field, pbwm3__region_size(w, p));
     }
 }
 
@@ -3039,11 +3070,12 @@ static pbw_status pbwm3__lower_gaps(pbwm3__work *w, pbwm3__gap *gap, size_t coun
     return status;
 }
 
-/* Rays from 4 points for each square of the size, and from one of each triangle at least. */
+/* Rays from 4 points for each square of the size, 16 where regions have sizes. */
 static pbw_status pbwm3__measure_gaps(pbwm3__work *w)
 {
     PBW_ARRAY(pbwm3__gap) room = { NULL, 0, 0 };
     pbw_status status = PBW_OK;
+    const double dense = w->how.region_sizes != NULL ? 8 : 2;
     uint64_t number = 1ull << 40;
     size_t i, count = 0;
     if (!PBW_FIT(&w->memory, room, PBWM3__BATCH)) {
@@ -3053,7 +3085,7 @@ static pbw_status pbwm3__measure_gaps(pbwm3__work *w)
         pbwm3__gap *gap = room.at;
         double n[3], wanted;
         pbwsf__normal_of(&w->surface, (pbw_index)i, n);
-        wanted = 2 * sqrt(pbwsf__dot(n, n)) / (w->size * w->size) + pbwm3__random(number++);
+        wanted = dense * sqrt(pbwsf__dot(n, n)) / (w->size * w->size) + pbwm3__random(number++);
         for (; wanted >= 1 && status == PBW_OK; wanted--) {
             gap[count].number = number;
             gap[count++].triangle = (pbw_index)i;
@@ -3302,7 +3334,7 @@ static void pbwm3__throw_dart(const pbwm3__throw *b, uint64_t i, pbwm3__dart *da
         dart->patch = w->input->value != NULL ? (pbw_index)pbwm3__to_surface(w, dart->p)
                     : w->patch.at[low];
         dart->size = size;
-        dart->stays = pbwm3__nearest(w, dart->p, 0.65 * size, PBWM3__SHARP, PBWM3__SMOOTH) == PBW_NONE;
+        dart->stays = !pbwm3__has_near(w, dart->p, 0.65 * size, PBWM3__SHARP, PBWM3__SMOOTH);
     }
     if (dart->stays && w->kinks) {
         double out[3] = { 0, 0, 0 };
@@ -3697,8 +3729,9 @@ static size_t pbwm3__hash_corners(const pbw_index c[4], size_t places)
     return (size_t)(key ^ key >> 31) & (places - 1);
 }
 
-/* Finds the tetrahedra of the last triangulation of which no corner has moved, in a hash table.  Their centres, labels
-   and needs are what they were.  Where shells cross, labels depend on those of others.  Returns 0 without memory. */
+/* Finds the tetrahedra of the last triangulation of which no corner has moved, in a hash table.  Their centres,
+   labels and needs are what they were.  Where shells cross, labels depend on those of others.  Returns 0 without
+   memory. */
 static int pbwm3__find_same(pbwm3__work *w)
 {
     const pbw_mesh *last = &w->last.mesh, *now = &w->now.mesh;
@@ -5156,6 +5189,19 @@ static void pbwm3__free(pbwm3__work *w)
     PBW_RELEASE(&w->memory, w->regions);
 }
 
+/* Returns whether the options are numbers that sizes, angles and limits can be. */
+static int pbwm3__are_options(const pbw_solid_options *how)
+{
+    size_t i;
+    for (i = 0; how->region_sizes != NULL && i < how->region_size_count; i++) {
+        if (!(how->region_sizes[i] >= 0 && how->region_sizes[i] < HUGE_VAL)) {
+            return 0;
+        }
+    }
+    return how->size >= 0 && how->distance >= 0 && how->least_size >= 0 && how->curvature >= 0 && how->gradation >= 0
+        && how->most >= 0 && (unsigned)how->sharp <= PBW_SOLID_SHARP_NONE;
+}
+
 static double pbwm3__lap(double *since)
 {
     const double now = (double)clock() / CLOCKS_PER_SEC, lap = now - *since;
@@ -5306,9 +5352,7 @@ PBWMESH3DEF pbw_status pbw_solid(const pbw_solid_input *input, const pbw_solid_o
     r.with_boundary = boundary != NULL;
     if (mesh != NULL && input != NULL
         && (input->value != NULL || (input->points != NULL && input->triangles != NULL))
-        && (how == NULL || (how->size >= 0 && how->distance >= 0 && how->least_size >= 0 && how->curvature >= 0
-                            && how->gradation >= 0 && how->most >= 0
-                            && (unsigned)how->sharp <= PBW_SOLID_SHARP_NONE))) {
+        && (how == NULL || pbwm3__are_options(how))) {
         call.input = input;
         call.how = how;
         call.options = options;

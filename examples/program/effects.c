@@ -57,8 +57,9 @@ static const rule rules[] = {
     { .commands = "improve", .option = "--only-smooth", .needs = "--smooth" },
     { .commands = "improve", .option = "--size", .excludes = "--error" },
     { .commands = "improve", .option = "--count", .needs = "--error" },
-    { .commands = "solid", .option = "--wrap", .excludes = "--least-size --curvature --around --gradation --nested "
-      "--sharp --close --keep-faults --patches --split-patches --feature-angle --distance --rounds" },
+    { .commands = "solid", .option = "--wrap",
+      .excludes = "--least-size --region-sizes --curvature --around --gradation --nested --sharp --close "
+                  "--keep-faults --patches --split-patches --feature-angle --distance --rounds" },
     { .commands = "solid", .option = "--alpha", .needs = "--wrap" },
     { .commands = "solid", .option = "--offset", .needs = "--wrap" },
     { .commands = "solid", .option = "--cavities", .needs = "--wrap" },

@@ -9,6 +9,8 @@ static const option solid_options[] = {
     { "--least-size", "H", "edges are not shorter where walls are thin; default: 1/6 of the size, 1/3 without\n"
       "sharp edges", POSITIVE, 0, 0,
       NULL },
+    { "--region-sizes", "R=H,...", "in region number R, and on its boundary, edges are H long at most", PLAIN,
+      0, 0, NULL },
     { "--curvature", "C", "edges of at most C / curvature, the root of its squares' sum; default: any", POSITIVE,
       0, 0, NULL },
     { "--around", "N", "edges around a circle, at least: as --curvature 2 pi / N", POSITIVE, 0, 0, NULL },
@@ -340,6 +342,35 @@ static void announce(void *user, const pbw_solid_report *r)
     }
 }
 
+/* Takes --region-sizes; *sizes: for the caller to free. */
+static int take_region_sizes(const job *j, pbw_solid_options *how, double **sizes)
+{
+    const char *text = text_of(j, "--region-sizes"), *at = text;
+    *sizes = NULL;
+    while (at != NULL) {
+        char *end;
+        const double region = strtod(at, &end), size = *end == '=' ? strtod(end + 1, &end) : 0;
+        double *more;
+        if (!(*at >= '0' && *at <= '9' && region < 1e6 && floor(region) >= region && size > 0 && size <= DBL_MAX)
+            || (*end != 0 && *end != ',')) {
+            return complain("--region-sizes %s: R=H is needed at \"%s\", a number and a size above 0", text, at);
+        }
+        if ((size_t)region >= how->region_size_count) {
+            more = (double *)realloc(*sizes, ((size_t)region + 1) * sizeof *more);
+            if (more == NULL) {
+                return fail(j, "out of memory");
+            }
+            *sizes = more;
+            memset(more + how->region_size_count, 0, ((size_t)region + 1 - how->region_size_count) * sizeof *more);
+            how->region_size_count = (size_t)region + 1;
+        }
+        (*sizes)[(size_t)region] = size;
+        at = *end == ',' ? end + 1 : NULL;
+    }
+    how->region_sizes = *sizes;
+    return 0;
+}
+
 static pbw_solid_options options_of(job *j)
 {
     pbw_solid_options how;
@@ -402,6 +433,7 @@ static int run(job *j)
     pbw_status status;
     naming names;
     sizing sizes;
+    double *region_sizes = NULL;
     size_t i;
     int failed;
     if (is_given(j, "--wrap")) {
@@ -424,11 +456,13 @@ static int run(job *j)
     input.patches = j->cloud.triangle_groups;
     how = options_of(j);
     failed = set_sizes(j, &sizes, &how);
+    failed = failed ? failed : take_region_sizes(j, &how, &region_sizes);
+    status = failed ? PBW_OK : pbw_solid(&input, &how, &j->build, &mesh, &boundary, &report);
+    pbw_surface_free(&sizes.surface);
+    free(region_sizes);
     if (failed) {
         return failed;
     }
-    status = pbw_solid(&input, &how, &j->build, &mesh, &boundary, &report);
-    pbw_surface_free(&sizes.surface);
     if (status != PBW_OK) {
         return refuse(j, status, &report);
     }

@@ -50,8 +50,10 @@ class _SolidInput(ctypes.Structure):
 
 class _SolidOptions(ctypes.Structure):
     """pbw_solid_options."""
-    _fields_ = [("size", _double), ("least_size", _double), *_pointers("size_at size_user"), ("curvature", _double),
-                ("gradation", _double), ("nested", ctypes.c_int), ("close", ctypes.c_int), ("sharp", ctypes.c_int), ("most", _double),
+    _fields_ = [("size", _double), ("least_size", _double), *_pointers("size_at size_user region_sizes"),
+                ("region_size_count", _size), ("curvature", _double),
+                ("gradation", _double), ("nested", ctypes.c_int), ("close", ctypes.c_int), ("sharp", ctypes.c_int),
+                ("most", _double),
                 *_pointers("plan plan_user stage"), ("feature_angle", _double), ("distance", _double),
                 ("rounds", ctypes.c_int), ("improve", _ImproveOptions)]
 
@@ -353,14 +355,15 @@ def _longest(size, vertices):
 
 def solid(vertices, faces, size=0, target=30, feature_angle=40, rounds=0, patches=None, nested=False,
           least_size=0, curvature=0, sharp="auto", close=False, most=50e6, around=0, gradation=0,
-          wrap=False):
+          wrap=False, region_sizes=None):
     """Tetrahedra inside a closed surface: vertices (n, 3), faces (m, 3), one or several shells.
 
     size: length of edges, 0 = 1/40 of the diagonal, or a function of a point (x, y, z).  Of that the largest value at
     the vertices and at 729 places in their box is the longest edge; infinite ones count as 1/40 of the diagonal.
     They are shorter in thin walls, and with curvature=c at most c radii of curvature, but not below least_size;
     around=n, edges around a circle, is curvature=2 pi / n.  They grow by at most gradation, 0 = 0.35, for each unit of
-    length.  rounds of adding points, at most; 0 = 16, or 24 where tips need them.
+    length.  region_sizes, {number: length}: the same in regions of these numbers.
+    rounds of adding points, at most; 0 = 16, or 24 where tips need them.
     Edges of the surface that bend by more than feature_angle degrees are kept, and those between faces of different
     patches, a whole number or a name a face.  sharp: which of the edges that bend are kept, "all", "some", "none" or
     "auto".
@@ -395,8 +398,13 @@ def solid(vertices, faces, size=0, target=30, feature_angle=40, rounds=0, patche
     longest = _longest(size, vertices) if callable(size) else size
     if around > 0:
         curvature = min(curvature or np.inf, 2 * np.pi / around)
-    how = _SolidOptions(longest, least_size, None, None, curvature, gradation, nested, close,
-                        _SHARP.index(sharp), most, None, None, None, feature_angle, 0, rounds,
+    regions = np.zeros(max(region_sizes or {-1: 0}) + 1)
+    for number, length in (region_sizes or {}).items():
+        _check_number("the number of a region", number, 0, 1e6)
+        _check_number("the size of a region", length, 0, np.finfo(float).max)
+        regions[number] = length
+    how = _SolidOptions(longest, least_size, None, None, regions.ctypes.data, len(regions), curvature, gradation,
+                        nested, close, _SHARP.index(sharp), most, None, None, None, feature_angle, 0, rounds,
                         _ImproveOptions(target))
     if wrap:
         if callable(size):
