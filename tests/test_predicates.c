@@ -19,7 +19,6 @@
 #include <math.h>
 #include <time.h>
 
-
 /* --- random numbers: splitmix64 --- */
 
 static uint64_t state;
