@@ -24,7 +24,7 @@ int main(void)
         pbwst_mesh made;
         pbw_tets mesh = { 0 };
         pbw_quality q;
-        if (!pbwst_make(n, -1.1, 1.1, gyroid, &made)) {
+        if (pbwst_make(n, -1.1, 1.1, gyroid, NULL, &made) != PBW_OK) {
             return 1;
         }
         mesh.points = made.x[0];

@@ -306,7 +306,7 @@ static void test_stuffing(void)
     memset(&in, 0, sizeof in);
     memset(&how, 0, sizeof how);
     how.passes = -1;
-    CHECK(pbwst_make(21, -1.2, 1.2, hollow_above, &made));
+    CHECK_EQUAL(pbwst_make(21, -1.2, 1.2, hollow_above, NULL, &made), PBW_OK);
     in.points = made.x[0];
     in.point_count = made.points;
     in.corners = made.corners;
@@ -330,6 +330,60 @@ static void test_stuffing(void)
     free(facets);
     pbw_tets_free(&out);
     pbwst_free(&made);
+    test_end();
+}
+
+static int stop_soon(void *calls, pbw_stage stage, double done)
+{
+    return ++*(int *)calls == 9 || stage != PBW_STAGE_WORK || !(done >= 0 && done <= 1);
+}
+
+/* Each allocation fails once, limits hold, progress cancels, arguments are refused: nothing is left or leaks. */
+static void test_stuffing_fails(void)
+{
+    static const pbwst_mesh none;
+    pbw_options options;
+    pbw_status status;
+    pbwst_mesh made;
+    meter m;
+    size_t peak = 0, tets = 0;
+    int calls = 0, k;
+    if (!test_begin("stuffing: memory, limits, cancelling")) {
+        return;
+    }
+    for (k = 0; k <= 1 || m.refused > 0; k++) {          /* 0: none fails */
+        memset(&options, 0, sizeof options);
+        meter_start(&m, k, 0);
+        options.resize = meter_resize;
+        options.resize_user = &m;
+        status = pbwst_make(12, -1.2, 1.2, hollow_above, &options, &made);
+        CHECK(status == (m.refused ? PBW_ERROR_MEMORY : PBW_OK));
+        CHECK(m.refused ? memcmp(&made, &none, sizeof made) == 0 : made.tets > 100 && (k == 0 || made.tets == tets));
+        peak = k == 0 ? m.peak : peak;
+        tets = k == 0 ? made.tets : tets;
+        pbwst_free(&made);
+        pbwst_free(&made);
+        CHECK(m.blocks == 0 && m.faults == 0);
+    }
+    CHECK(k > 4);
+    for (k = 1; k <= 20; k++) {
+        meter_start(&m, 0, 0);
+        options.memory_limit = peak * (size_t)k / 10;
+        status = pbwst_make(12, -1.2, 1.2, hollow_above, &options, &made);
+        CHECK(status == (k < 10 ? PBW_ERROR_MEMORY : PBW_OK));
+        CHECK(m.peak <= options.memory_limit);
+        pbwst_free(&made);
+        CHECK(m.blocks == 0 && m.faults == 0);
+    }
+    options.progress = stop_soon;
+    options.progress_user = &calls;
+    CHECK_EQUAL(pbwst_make(12, -1.2, 1.2, hollow_above, &options, &made), PBW_CANCELLED);
+    CHECK(calls == 9 && m.blocks == 0);
+    CHECK_EQUAL(pbwst_make(3, -1, 1, hollow_above, NULL, &made), PBW_ERROR_ARGUMENT);
+    CHECK_EQUAL(pbwst_make(201, -1, 1, hollow_above, NULL, &made), PBW_ERROR_ARGUMENT);
+    CHECK_EQUAL(pbwst_make(9, 1, 1, hollow_above, NULL, &made), PBW_ERROR_ARGUMENT);
+    CHECK_EQUAL(pbwst_make(9, -1, 1, NULL, NULL, &made), PBW_ERROR_ARGUMENT);
+    CHECK_EQUAL(pbwst_make(9, -1, 1, hollow_above, NULL, NULL), PBW_ERROR_ARGUMENT);
     test_end();
 }
 
@@ -1411,6 +1465,7 @@ int main(int argc, char **argv)
     test_acute();
     test_thin();
     test_stuffing();
+    test_stuffing_fails();
     test_regions();
     test_sheets();
     test_walls();

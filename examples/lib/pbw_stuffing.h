@@ -4,7 +4,7 @@
    Include it where the implementations of pbw.h and pbw_surface.h are included; every function is static.
 
        pbwst_mesh mesh;
-       if (pbwst_make(24, -1, 1, function, &mesh)) {                 // above zero inside
+       if (pbwst_make(24, -1, 1, function, NULL, &mesh) == PBW_OK) { // above zero inside
            printf("%u points, %u tetrahedra\n", (unsigned)mesh.points, (unsigned)mesh.tets);
        }                                                             // mesh.x, and mesh.corners: four each
        pbwst_free(&mesh);
@@ -29,7 +29,7 @@
    PROMISES  (tests/test_mesh3.c guards them)
      angles      dihedral angles are 10.7 to 164.8 degrees, as the paper proves
      manifold    facets fit, and tetrahedra are positively oriented, by exact signs
-     always      it fails only if there is no memory
+     always      it fails only if memory is short, an argument is wrong, or options.progress cancels
 
    DOES NOT  keep sharp edges, which are rounded off, nor parts thinner than a cell.  Points that are no corners
              stay in x.
@@ -37,8 +37,6 @@
 #ifndef PBW_STUFFING_H
 #define PBW_STUFFING_H
 #include "pbw_surface.h"
-#include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #if PBWSF__SEAM != 1
@@ -51,26 +49,36 @@
 enum { PBWST__EDGES = 14 };                /* at a node: 6 long ones along axes, 8 short ones to the other lattice */
 
 typedef struct pbwst_mesh {                /* filled by pbwst_make; pbwst_free when done */
-    int n;                                 /* nodes along an axis of each of the two lattices */
-    double (*x)[3], *value;
-    pbw_index (*cut)[PBWST__EDGES];        /* per node and edge: the point where the surface cuts it, or PBW_NONE */
-    pbw_index *corners;
     size_t points, tets;
-    double (*f)(const double p[3]);        /* above zero inside */
+    double (*x)[3];                        /* of each point */
+    pbw_index *corners;                    /* four of each tetrahedron */
+    pbw_memory memory;                     /* private */
+    size_t point_room, corner_room;        /* private */
 } pbwst_mesh;
 
-/* Fills what is inside of the cube from low to high, with n nodes along an axis, 4 to 200; f must be below zero at
-   the cube's sides.  Returns 0, and leaves *s empty, if there is no memory. */
-static int pbwst_make(int n, double low, double high, double (*f)(const double p[3]), pbwst_mesh *s);
-static void pbwst_free(pbwst_mesh *s);     /* fine on {0}, fine twice */
+/* Fills what is inside of the cube from low to high, with n nodes along an axis, 4 to 200.  f is above zero inside,
+   and must be below zero at the cube's sides.  options: memory_limit; resize, which must outlive the mesh; progress.
+   On any status but PBW_OK the mesh is left empty: PBW_ERROR_ARGUMENT, PBW_ERROR_MEMORY, PBW_CANCELLED. */
+static pbw_status pbwst_make(int n, double low, double high, double (*f)(const double p[3]),
+                             const pbw_options *options, pbwst_mesh *mesh);
+static void pbwst_free(pbwst_mesh *mesh);  /* fine on {0}, fine twice */
 
 /* ------------------------------------------------------------------------------------------------------
    >>lattice      The nodes of two cubic lattices, moved to the surface.
    In: numbers and values of nodes.  Out: their neighbours; places where the function is zero; nodes on the surface.
    ------------------------------------------------------------------------------------------------------ */
 
+typedef struct pbwst__work {
+    int n;                                 /* nodes along an axis of each of the two lattices */
+    double (*f)(const double p[3]);
+    double *value;                         /* of each node */
+    pbw_index (*cut)[PBWST__EDGES];        /* per node and edge: the point where the surface cuts it, or PBW_NONE */
+    pbwst_mesh *mesh;
+    double (*x)[3];                        /* mesh->x */
+} pbwst__work;
+
 /* Returns the node across edge e of a node; PBW_NONE out of the box. */
-static pbw_index pbwst__across(const pbwst_mesh *s, pbw_index node, int e)
+static pbw_index pbwst__across(const pbwst__work *s, pbw_index node, int e)
 {
     const int n = s->n, body = (int)node >= n * n * n, at = (int)node - body * n * n * n;
     int c[3] = { at % n, at / n % n, at / n / n }, k;
@@ -88,7 +96,7 @@ static pbw_index pbwst__across(const pbwst_mesh *s, pbw_index node, int e)
 }
 
 /* Where the function is zero between two nodes of different signs. */
-static void pbwst__find_cut(const pbwst_mesh *s, pbw_index a, pbw_index b, double out[3])
+static void pbwst__find_cut(const pbwst__work *s, pbw_index a, pbw_index b, double out[3])
 {
     double from = 0, to = 1;
     int i, k;
@@ -101,7 +109,7 @@ static void pbwst__find_cut(const pbwst_mesh *s, pbw_index a, pbw_index b, doubl
 }
 
 /* Moves a node to the nearest cut of its edges, if that is within the fraction of the edge that the proof needs. */
-static void pbwst__warp(pbwst_mesh *s, pbw_index node)
+static void pbwst__warp(pbwst__work *s, pbw_index node)
 {
     double best = 1, p[3], place[3];
     int e;
@@ -131,7 +139,7 @@ static void pbwst__warp(pbwst_mesh *s, pbw_index node)
    ------------------------------------------------------------------------------------------------------ */
 /* Returns the point where the surface cuts the edge from a, inside, to b; b itself if it is on the surface or inside.
    */
-static pbw_index pbwst__cut_of(pbwst_mesh *s, pbw_index a, pbw_index b)
+static pbw_index pbwst__cut_of(pbwst__work *s, pbw_index a, pbw_index b)
 {
     int e = 0;
     if (!(s->value[a] > 0 && s->value[b] < 0)) {
@@ -141,26 +149,26 @@ static pbw_index pbwst__cut_of(pbwst_mesh *s, pbw_index a, pbw_index b)
         e++;
     }
     if (s->cut[a][e] == PBW_NONE) {
-        pbwst__find_cut(s, a, b, s->x[s->points]);
-        s->cut[a][e] = (pbw_index)s->points++;
+        pbwst__find_cut(s, a, b, s->x[s->mesh->points]);
+        s->cut[a][e] = (pbw_index)s->mesh->points++;
     }
     return s->cut[a][e];
 }
 
-static void pbwst__add(pbwst_mesh *s, pbw_index a, pbw_index b, pbw_index c, pbw_index d)
+static void pbwst__add(pbwst__work *s, pbw_index a, pbw_index b, pbw_index c, pbw_index d)
 {
-    pbw_index *t = s->corners + 4 * s->tets;
+    pbw_index *t = s->mesh->corners + 4 * s->mesh->tets;
     if (a != b && a != c && a != d && b != c && b != d && c != d) {
         const int turn = pbw_orient3(s->x[a], s->x[b], s->x[c], s->x[d]) < 0;
         t[0] = a, t[1] = turn ? c : b, t[2] = turn ? b : c, t[3] = d;
-        s->tets++;
+        s->mesh->tets++;
     }
 }
 
 /* Returns whether the quadrilateral of a, b and the cuts of a-o and b-o is halved from a: if the edge a-o is the
    short one, or, if both are short, by number.  The rule depends on the facet a b o only, so both tetrahedra at it
    agree. */
-static int pbwst__from_first(const pbwst_mesh *s, pbw_index a, pbw_index b, pbw_index o)
+static int pbwst__from_first(const pbwst__work *s, pbw_index a, pbw_index b, pbw_index o)
 {
     const pbw_index half = (pbw_index)(s->n * s->n * s->n);
     const int long_a = (a < half) == (o < half), long_b = (b < half) == (o < half);
@@ -169,7 +177,7 @@ static int pbwst__from_first(const pbwst_mesh *s, pbw_index a, pbw_index b, pbw_
 
 /* Adds the three tetrahedra of a prism with edges from u[i] to w[i].  before[i]: how many diagonals of its sides
    start at u[i]. */
-static void pbwst__add_prism(pbwst_mesh *s, const pbw_index u[3], const pbw_index w[3], const int before[3])
+static void pbwst__add_prism(pbwst__work *s, const pbw_index u[3], const pbw_index w[3], const int before[3])
 {
     int a = 0, c = 0, b, i;
     for (i = 1; i < 3; i++) {
@@ -182,7 +190,7 @@ static void pbwst__add_prism(pbwst_mesh *s, const pbw_index u[3], const pbw_inde
     pbwst__add(s, u[a], w[a], w[b], w[c]);
 }
 
-static void pbwst__stuff(pbwst_mesh *s, const pbw_index v[4])
+static void pbwst__stuff(pbwst__work *s, const pbw_index v[4])
 {
     pbw_index in[4], on[4], out[4];
     int ins = 0, ons = 0, outs = 0, i;
@@ -215,74 +223,122 @@ static void pbwst__stuff(pbwst_mesh *s, const pbw_index v[4])
     }
 }
 
-/* Stuffs the four tetrahedra around each long edge from a node of the second lattice. */
-static void pbwst__stuff_all(pbwst_mesh *s)
+/* Makes room for what one tetrahedron of the lattice may add: a point on each of four edges, three tetrahedra. */
+static int pbwst__reserve(pbwst__work *s)
+{
+    pbwst_mesh *mesh = s->mesh;
+    const int fits = (mesh->point_room - mesh->points >= 4
+                      || pbw_memory_grow(&mesh->memory, &mesh->x, &mesh->point_room, mesh->points, 4,
+                                         sizeof *mesh->x))
+        && (mesh->corner_room - 4 * mesh->tets >= 12
+            || pbw_memory_grow(&mesh->memory, &mesh->corners, &mesh->corner_room, 4 * mesh->tets, 12,
+                               sizeof *mesh->corners));
+    s->x = mesh->x;
+    return fits;
+}
+
+/* Stuffs the four tetrahedra around each long edge from a node of the second lattice.  Returns 0 if memory is
+   short. */
+static int pbwst__stuff_around(pbwst__work *s, pbw_index node)
 {
     static const int turn[4] = { 0, 1, 3, 2 };
-    const pbw_index nodes = (pbw_index)(2 * s->n * s->n * s->n);
-    pbw_index i;
     int e, f;
-    for (i = nodes / 2; i < nodes; i++) {
-        for (e = 1; e < 6; e += 2) {
-            const pbw_index next = pbwst__across(s, i, e);
-            const int k = e / 2, low = 1 << (k + 1) % 3, high = 1 << (k + 2) % 3;
-            for (f = 0; f < 4 && next != PBW_NONE; f++) {
-                const int a = turn[f], b = turn[(f + 1) % 4];
-                pbw_index v[4];
-                v[0] = i;
-                v[1] = next;
-                v[2] = pbwst__across(s, i, 6 + (1 << k) + (a & 1) * low + (a >> 1) * high);
-                v[3] = pbwst__across(s, i, 6 + (1 << k) + (b & 1) * low + (b >> 1) * high);
-                if (v[2] != PBW_NONE && v[3] != PBW_NONE) {
-                    pbwst__stuff(s, v);
+    for (e = 1; e < 6; e += 2) {
+        const pbw_index next = pbwst__across(s, node, e);
+        const int k = e / 2, low = 1 << (k + 1) % 3, high = 1 << (k + 2) % 3;
+        for (f = 0; f < 4 && next != PBW_NONE; f++) {
+            const int a = turn[f], b = turn[(f + 1) % 4];
+            pbw_index v[4];
+            v[0] = node;
+            v[1] = next;
+            v[2] = pbwst__across(s, node, 6 + (1 << k) + (a & 1) * low + (a >> 1) * high);
+            v[3] = pbwst__across(s, node, 6 + (1 << k) + (b & 1) * low + (b >> 1) * high);
+            if (v[2] != PBW_NONE && v[3] != PBW_NONE) {
+                if (!pbwst__reserve(s)) {
+                    return 0;
                 }
+                pbwst__stuff(s, v);
             }
         }
     }
+    return 1;
 }
 
 /* ------------------------------------------------------------------------------------------------------
    >>stages       All of it in order.
    In: a function.  Out: tetrahedra.
    ------------------------------------------------------------------------------------------------------ */
-static void pbwst_free(pbwst_mesh *s)
+static void pbwst_free(pbwst_mesh *mesh)
 {
-    free(s->x);
-    free(s->value);
-    free(s->cut);
-    free(s->corners);
-    memset(s, 0, sizeof *s);
+    if (mesh->memory.resize != NULL) {
+        (void)pbw_memory_fit(&mesh->memory, &mesh->x, &mesh->point_room, 0, sizeof *mesh->x);
+        (void)pbw_memory_fit(&mesh->memory, &mesh->corners, &mesh->corner_room, 0, sizeof *mesh->corners);
+    }
+    memset(mesh, 0, sizeof *mesh);
 }
 
-static int pbwst_make(int n, double low, double high, double (*f)(const double p[3]), pbwst_mesh *s)
+/* Three passes over the nodes: values, moves, tetrahedra; each reports a layer of nodes at a time. */
+static pbw_status pbwst__passes(pbwst__work *s, double low, double high, const pbw_options *options)
 {
-    const size_t half = (size_t)n * (size_t)n * (size_t)n, nodes = 2 * half;
+    const size_t n = (size_t)s->n, half = n * n * n, nodes = 2 * half;
     size_t i, k;
-    memset(s, 0, sizeof *s);
-    s->n = n;
-    s->f = f;
-    s->points = nodes;
-    s->x = (double (*)[3])malloc(nodes * 8 * sizeof *s->x);
-    s->value = (double *)malloc(nodes * sizeof *s->value);
-    s->cut = (pbw_index (*)[PBWST__EDGES])malloc(nodes * sizeof *s->cut);
-    s->corners = (pbw_index *)malloc(nodes * 18 * 4 * sizeof *s->corners);
-    if (s->x == NULL || s->value == NULL || s->cut == NULL || s->corners == NULL) {
-        pbwst_free(s);
-        return 0;
-    }
-    memset(s->cut, 0xff, nodes * sizeof *s->cut);
-    for (i = 0; i < nodes; i++) {
-        const size_t at = i % half, c[3] = { at % (size_t)n, at / (size_t)n % (size_t)n, at / (size_t)n / (size_t)n };
-        for (k = 0; k < 3; k++) {
-            s->x[i][k] = low + (high - low) * ((double)c[k] + (i < half ? 0 : 0.5)) / (n - 0.5);
+    int pass;
+    for (pass = 0; pass < 3; pass++) {
+        for (i = pass < 2 ? 0 : half; i < nodes; i++) {
+            if (i % (n * n) == 0 && options != NULL && options->progress != NULL
+                && options->progress(options->progress_user, PBW_STAGE_WORK,
+                                     (pass + (double)i / (double)nodes) / 3)) {
+                return PBW_CANCELLED;
+            }
+            if (pass == 0) {
+                const size_t at = i % half, c[3] = { at % n, at / n % n, at / n / n };
+                for (k = 0; k < 3; k++) {
+                    s->x[i][k] = low + (high - low) * ((double)c[k] + (i < half ? 0 : 0.5)) / (s->n - 0.5);
+                }
+                s->value[i] = s->f(s->x[i]);
+            } else if (pass == 1) {
+                pbwst__warp(s, (pbw_index)i);
+            } else if (!pbwst__stuff_around(s, (pbw_index)i)) {
+                return PBW_ERROR_MEMORY;
+            }
         }
-        s->value[i] = f(s->x[i]);
     }
-    for (i = 0; i < nodes; i++) {
-        pbwst__warp(s, (pbw_index)i);
+    return PBW_OK;
+}
+
+static pbw_status pbwst_make(int n, double low, double high, double (*f)(const double p[3]),
+                             const pbw_options *options, pbwst_mesh *mesh)
+{
+    pbwst__work s;
+    const size_t nodes = n >= 4 && n <= 200 ? 2 * (size_t)n * (size_t)n * (size_t)n : 0;
+    pbw_status status = PBW_ERROR_MEMORY;
+    if (mesh == NULL) {
+        return PBW_ERROR_ARGUMENT;
     }
-    pbwst__stuff_all(s);
-    return 1;
+    memset(mesh, 0, sizeof *mesh);
+    if (nodes == 0 || f == NULL || !(low < high)) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    pbw_memory_start(&mesh->memory, options);
+    memset(&s, 0, sizeof s);
+    s.n = n;
+    s.f = f;
+    s.mesh = mesh;
+    s.value = (double *)pbw_memory_resize(&mesh->memory, NULL, 0, nodes, sizeof *s.value);
+    s.cut = (pbw_index (*)[PBWST__EDGES])pbw_memory_resize(&mesh->memory, NULL, 0, nodes, sizeof *s.cut);
+    if (s.value != NULL && s.cut != NULL
+        && pbw_memory_fit(&mesh->memory, &mesh->x, &mesh->point_room, nodes, sizeof *mesh->x)) {
+        memset(s.cut, 0xff, nodes * sizeof *s.cut);
+        mesh->points = nodes;
+        s.x = mesh->x;
+        status = pbwst__passes(&s, low, high, options);
+    }
+    (void)pbw_memory_resize(&mesh->memory, s.value, s.value != NULL ? nodes : 0, 0, sizeof *s.value);
+    (void)pbw_memory_resize(&mesh->memory, s.cut, s.cut != NULL ? nodes : 0, 0, sizeof *s.cut);
+    if (status != PBW_OK) {
+        pbwst_free(mesh);
+    }
+    return status;
 }
 
 #endif /* PBWSF__SEAM */
