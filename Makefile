@@ -45,7 +45,7 @@ endif
 endif
 
 .PHONY: all page demo web examples test test-all programs oracle arm asan ubsan tsan sanitize valgrind fuzz fuzz-long \
-    asm names fuzz-plane fuzz-cells campaign interface clean help FORCE
+    asm names fuzz-plane fuzz-cells fuzz-fill campaign interface clean help FORCE
 .DELETE_ON_ERROR:
 .SECONDARY:
 
@@ -78,6 +78,7 @@ help:
 	@echo 'make interface   records the public declarations of a version, once the history says what changed'
 	@echo 'make campaign    damaged files, faults and limits under sanitizers; COUNT=1000 is how much'
 	@echo 'make fuzz-cells  a million small inputs with cells in boxes, half-spaces, polygons, periodic boxes'
+	@echo 'make fuzz-fill   10,000 shapes filled with tetrahedra: prisms, boxes, cells, bad input'
 	@echo 'CC=clang CXX=clang++ CFLAGS=-O3 B=build/clang  for any of them;  COUNT=n random inputs in tests'
 
 # Programs.  Each example is whole by itself, `cc -O2 -Iexamples/lib example.c -lpthread -lm`; here pbw.h and
@@ -260,6 +261,9 @@ fuzz-plane: $B/test_mesh2 FORCE
 
 fuzz-cells: $B/fuzz_cells_random FORCE
 	$< --count 1000000
+
+fuzz-fill: $B/test_fill_shapes FORCE
+	$< --count $(or $(COUNT),10000)
 
 $B/fuzz.%.log: $B/fuzz_triangulate_random FORCE
 	@sh tests/run.sh $@ $< --count 1250000 --seed $*

@@ -138,6 +138,7 @@ check "facets in space are no plane" says 1 "pbw fill takes facets in space" pla
 check "the .node file beside is not overwritten" says 2 "parts.node" fill parts.poly -o parts.node
 gzip -k whole.poly
 check ".poly.gz" right whole.poly.gz
+check "a .poly file, with its bounds of volumes" right whole.poly --volumes --target 10
 cat > box.smesh << END
 8 3
 0 0 0 0

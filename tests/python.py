@@ -1511,6 +1511,19 @@ def fill_keeps_faces():
     check("open" in str(raises(pbw.Error, pbw.fill, cube, hull[:-1])))
     check("cross" in str(raises(pbw.Error, pbw.fill, np.vstack([cube, cube + 0.5]), np.vstack([hull, hull + 8]))))
     raises(ValueError, pbw.fill, cube, hull, seeds=[[.5, .5, .5]], seed_regions=[1, 2])
+    made = pbw.fill(two, np.vstack([hull, hull + 8]), seeds=[[.5, .5, .25], [1.5, .5, .25]],
+                    seed_regions=["steel", "air"], volume={"air": 0.002})
+    sizes = {name: volumes(made)[made.regions == name] for name in ("air", "steel")}
+    check(set(made.regions) == {"air", "steel"} and made.report["inside_points"] > 50)
+    check(np.median(sizes["air"]) < 0.002 < np.median(sizes["steel"]), sizes)
+    fine = pbw.fill(ball, skin, size=0.15)
+    coarse = pbw.fill(ball, skin, size=lambda p: 0.15 if p[0] > 0 else 0.5)
+    graded = pbw.fill(ball, skin, ratio=1.5)
+    check(len(fine.tets) > 1.5 * len(coarse.tets) > 2 * len(graded.tets), len(fine.tets), len(coarse.tets))
+    check(all(len(made.facets) == len(skin) and (volumes(made) > 0).all() for made in (fine, coarse, graded)))
+    check(raises(ZeroDivisionError, pbw.fill, ball, skin, size=lambda p: 1 / 0))
+    raises(ValueError, pbw.fill, ball, skin, size=-1)
+    raises(ValueError, pbw.fill, ball, skin, volume={1: 0.1})
 
 
 @test

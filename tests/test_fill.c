@@ -483,6 +483,19 @@ static void test_stars(void)
     }
 }
 
+static double size_in_half(void *user, const double place[3])
+{
+    (void)user;
+    return place[0] > 0 ? 0.15 : 0;                  /* any in the other half */
+}
+
+static double volume_at(const pbw_filled *f, size_t tet)
+{
+    const pbw_index *c = f->tets.corners + 4 * tet;
+    const double *p = f->tets.points;
+    return volume_of(p + 3 * (size_t)c[0], p + 3 * (size_t)c[1], p + 3 * (size_t)c[2], p + 3 * (size_t)c[3]);
+}
+
 /* Better angles inside, with the same facets. */
 static void test_improvement(void)
 {
@@ -508,6 +521,57 @@ static void test_improvement(void)
         pbw_fill_free(&f);
         test_end();
     }
+}
+
+/* Points inside, for sizes, ratios and volumes: the same facets, and what was asked for where facets let it. */
+static void test_inside(void)
+{
+    static const double centre[3] = { 0, 0, 0 }, seed[3] = { 0.0625, 0.375, 0.25 }, volumes[2] = { 2e-4, 0 };
+    pbw_index region = 0;
+    uint64_t key = 5;
+    pbw_fill_options how;
+    pbw_fill_report report;
+    pbw_fill_input in;
+    pbw_filled f;
+    size_t counts[5] = { 0, 0, 0, 0, 0 }, large, i;
+    int round;
+    if (!test_begin("sizes inside")) {
+        return;
+    }
+    for (round = 0; round < 10; round++) {
+        memset(&how, 0, sizeof how);
+        big.points = big.triangles = 0;
+        add_star(300, 0.9, centre, 1, &key);
+        (void)point(0.125, 0.25, 0.125);             /* of no triangle: it stays */
+        in = input_of_big();
+        how.conforming = how.split_flat = round > 4;
+        how.size = round % 5 == 1 ? 0.15 : 0;
+        how.size_at = round % 5 == 2 ? size_in_half : NULL;
+        how.ratio = round % 5 == 3 ? 1.2 : 0;
+        how.volume = round % 5 == 4 ? 1e-3 : 0;
+        (void)fill_and_check(&in, &how, enclosed(&in));
+        CHECK_EQUAL(pbw_fill(&in, &how, NULL, &f, &report), PBW_OK);
+        CHECK((report.inside_points > 0) == (round % 5 > 0) && f.tets.original[300] == 300);
+        counts[round % 5] = f.tets.tet_count;
+        for (i = large = 0; i < f.tets.tet_count; i++) {
+            large += how.volume > 0 && volume_at(&f, i) > how.volume;
+        }
+        CHECK(round != 4 || large == report.too_large);
+        CHECK(large < f.tets.tet_count / 8);
+        pbw_fill_free(&f);
+    }
+    CHECK(counts[1] > 2 * counts[0] && counts[2] > counts[0] && counts[2] < counts[1] && counts[3] > counts[0]);
+    in.seeds = seed, in.seed_count = 1, in.seed_regions = &region;
+    memset(&how, 0, sizeof how);
+    how.volumes = volumes, how.volume_count = 2;
+    for (; region < 2; region++) {                   /* the bound is for one of two numbers of regions */
+        (void)fill_and_check(&in, &how, enclosed(&in));
+        CHECK_EQUAL(pbw_fill(&in, &how, NULL, &f, NULL), PBW_OK);
+        counts[region] = f.tets.tet_count;
+        pbw_fill_free(&f);
+    }
+    CHECK(counts[0] > 2 * counts[1]);
+    test_end();
 }
 
 static void test_cells(void)
@@ -827,12 +891,15 @@ static void test_memory(void)
 {
     static const double centre[3] = { 0, 0, 0 };
     pbw_fill_input in;
+    pbw_fill_options how;
     pbw_filled f;
     pbw_options options;
     meter memory;
     uint64_t key = 0;
     long k, requests;
     size_t peak;
+    memset(&how, 0, sizeof how);
+    how.size = 0.3;
     memset(&options, 0, sizeof options);
     options.threads = 1;
     options.resize = meter_resize;
@@ -843,18 +910,18 @@ static void test_memory(void)
     if (test_begin("memory that fails, limits, cancelling")) {
         pbw_status status = PBW_OK;
         meter_start(&memory, 0, 0);
-        CHECK_EQUAL(pbw_fill(&in, NULL, &options, &f, NULL), PBW_OK);
+        CHECK_EQUAL(pbw_fill(&in, &how, &options, &f, NULL), PBW_OK);
         requests = memory.requests, peak = memory.peak;
         pbw_fill_free(&f);
         CHECK(memory.blocks == 0 && memory.faults == 0);
         for (k = 1; k <= requests; k += 1 + k / 20) {
             meter_start(&memory, k, 1);
-            CHECK_EQUAL(pbw_fill(&in, NULL, &options, &f, NULL), PBW_ERROR_MEMORY);
+            CHECK_EQUAL(pbw_fill(&in, &how, &options, &f, NULL), PBW_ERROR_MEMORY);
             CHECK(memory.blocks == 0 && memory.faults == 0 && f.memory == NULL);
         }
         meter_start(&memory, 0, 0);
         for (options.memory_limit = peak; options.memory_limit > 1000; options.memory_limit /= 2) {
-            status = pbw_fill(&in, NULL, &options, &f, NULL);
+            status = pbw_fill(&in, &how, &options, &f, NULL);
             CHECK(status == PBW_OK || status == PBW_ERROR_MEMORY);
             CHECK(memory.peak <= peak);
             pbw_fill_free(&f);
@@ -866,7 +933,7 @@ static void test_memory(void)
             int left = (int)k;
             options.progress = stop_at;
             options.progress_user = &left;
-            status = pbw_fill(&in, NULL, &options, &f, NULL);
+            status = pbw_fill(&in, &how, &options, &f, NULL);
             CHECK(status == (left <= 0 ? PBW_CANCELLED : PBW_OK));
             pbw_fill_free(&f);
             CHECK(memory.blocks == 0 && memory.faults == 0);
@@ -908,6 +975,7 @@ int main(int argc, char **argv)
     test_all_parts();
     test_stars();
     test_improvement();
+    test_inside();
     test_cells();
     test_shells();
     test_seeds();

@@ -25,6 +25,7 @@
      >>facets       each facet found in the triangulation, or made there
      >>exact        points taken off the surface's edges again
      >>regions      what the facets enclose
+     >>inside       points inside, for sizes and shapes
      >>result       the caller's arrays
      >>stages       all of it in order
 
@@ -46,9 +47,11 @@
       the facets are the input's triangles.
    5. What the facets enclose are regions: each gets the number of a seed in it; without seeds, what is inside of an
       odd number of nested bodies is kept.
-   6. Points of the input go back from the grid to their places, but for those where a tetrahedron would turn; with
+   6. If sizes or ratios are given, tetrahedra that are too large or too slim get points at the centers of their
+      spheres, in rounds; facets stay.
+   7. Points of the input go back from the grid to their places, but for those where a tetrahedron would turn; with
       points added on the surface, none.
-   7. With a target, pbw_improve raises the dihedral angles inside, and adds points there (PBW_TETS_FROZEN).
+   8. With a target, pbw_improve raises the dihedral angles inside, and adds points there (PBW_TETS_FROZEN).
 
    PROMISES  (tests/test_fill.c guards them)
      exact       all tetrahedra are positive, by exact signs, in the coordinates that come out.  The facets are the
@@ -109,7 +112,19 @@ typedef struct pbw_fill_options {          /* NULL or all zero = best defaults *
                                               others bound cavities, shells inside of those regions, and so on */
     int outside;                           /* 1: the outside is kept, too, up to a box five times as wide as the
                                               surface's, as the last region */
-    size_t most;                           /* points added to segments, at most; 0 = 50 million */
+    size_t most;                           /* points added to segments, and inside, at most; 0 = 50 million */
+    /* Points inside, where edges are longer than wanted, about, or tetrahedra slim: if one of these is given.  Facets
+       stay, so tetrahedra at them may be larger. */
+    double size;                           /* length of edges; 0 = as size_at says, else it grows from that of the
+                                              edges of the surface */
+    double (*size_at)(void *user, const double place[3]);      /* the same about a place; 0 = any; NULL */
+    void *size_user;
+    double growth;                         /* of that length from the surface's edges, per distance; 0 = 0.3 */
+    double ratio;                          /* of a tetrahedron's circumscribed radius by its shortest edge, at most;
+                                              0 = 2 */
+    double volume;                         /* of a tetrahedron, at most; 0 = any */
+    const double *volumes;                 /* the same of each region, by its number; 0 = any; NULL */
+    size_t volume_count;
     pbw_improve_options improve;           /* of the inside, with the facets as they are, if its target is above 0 */
     const char **stage;                    /* gets the name of the stage before its progress is reported: those of
                                               report.seconds; NULL = none */
@@ -143,12 +158,14 @@ typedef struct pbw_fill_report {
     size_t missing_segments, missing_facets;         /* of the first triangulation */
     size_t segment_points;                 /* points that were added on segments */
     size_t inner_points;                   /* of the result: added points, inside and on edges */
+    size_t inside_points;                  /* of these, for sizes and shapes, before improvement */
+    size_t too_large, too_slim;            /* tetrahedra that are so all the same, before improvement */
     size_t regions;                        /* that are kept */
     size_t flat_tets;                      /* without volume, as places between grid points are no doubles */
     pbw_improve_report improve;            /* dihedral angles before and after; zeros without improvement */
     pbw_quality inner;                     /* those of tetrahedra without a point of the surface, after */
-    double seconds[9];                     /* of processor time: grid, triangulate, edges, crossings, segments,
-                                              facets, exact, regions, improve */
+    double seconds[10];                    /* of processor time: grid, triangulate, edges, crossings, segments,
+                                              facets, exact, regions, inside, improve */
 } pbw_fill_report;
 
 typedef struct pbw_filled {                /* start from {0}; pbw_fill_free when done */
@@ -2789,6 +2806,446 @@ static pbw_status pbwfill__find_regions(pbwfill__work *w)
 }
 
 /* ------------------------------------------------------------------------------------------------------
+   >>inside       Points inside, for sizes and shapes.
+   In: the tetrahedra with regions; sizes.  Out: more of them, with the same facets.
+   Holds: a new point is the center of the sphere of a tetrahedron that is too large or too slim, or the middle of one
+   that is too large.  The tetrahedra of which the spheres hold it, up to facets, give way to its star; those with a
+   face that it does not see stay.  It keeps its distance from other points, so that there is an end: the size's 0.6,
+   or the shortest edge of a slim tetrahedron; and from facets 0.35 of its distance from points.
+   ------------------------------------------------------------------------------------------------------ */
+typedef struct pbwfill__inside {
+    pbwfill__work *w;
+    PBW_ARRAY(double) sizes;               /* of each vertex: edges wanted there, in units of the grid */
+    pbwfill__indices now, next;            /* tetrahedra of this round and of the next */
+    size_t wires;
+} pbwfill__inside;
+
+/* A length of the caller's in units of the grid. */
+static double pbwfill__in_units(const pbwfill__work *w, double length)
+{
+    return pbwfill__scaled(length, -w->exponent) / w->unit;
+}
+
+/* Gives vertices of facets the mean length of the edges of facets at them, others the least of what grows from
+   these. */
+static pbw_status pbwfill__find_sizes(pbwfill__inside *in)
+{
+    pbwfill__work *w = in->w;
+    const double growth = w->how.growth > 0 ? w->how.growth : 0.3;
+    PBW_ARRAY(double) counts = { NULL, 0, 0 };
+    size_t i, k, j;
+    int changes = 1;
+    if (!PBW_ZEROS(&w->memory, counts, pbwfill__vertices(w)) || !PBW_ZEROS(&w->memory, in->sizes, counts.count)) {
+        PBW_RELEASE(&w->memory, counts);
+        return PBW_ERROR_MEMORY;
+    }
+    for (i = 0; i < 4 * w->tets.count; i++) {
+        const pbwfill__tet *t = w->tets.at + i / 4;
+        for (k = 0; t->v[0] != PBW_NONE && t->wall[i % 4] != PBW_NONE && k < 3; k++) {
+            const pbw_index a = t->v[PBW_FACET_CORNER(i % 4, k)], b = t->v[PBW_FACET_CORNER(i % 4, (k + 1) % 3)];
+            const double length = pbwfill__distance(pbwfill__at(w, a), pbwfill__at(w, b));
+            in->sizes.at[a] += length;
+            in->sizes.at[b] += length;
+            counts.at[a]++;
+            counts.at[b]++;
+        }
+    }
+    for (i = 0; i < counts.count; i++) {
+        in->sizes.at[i] = counts.at[i] > 0 ? in->sizes.at[i] / counts.at[i] : HUGE_VAL;
+    }
+    PBW_RELEASE(&w->memory, counts);
+    while (changes) {
+        changes = 0;
+        for (i = 0; i < 16 * w->tets.count; i++) {
+            const pbwfill__tet *t = w->tets.at + i / 16;
+            double *to, size;
+            k = i / 4 % 4;
+            j = i % 4;
+            if (t->v[0] == PBW_NONE || j == k || w->region.at[i / 16] == PBW_NONE) {
+                continue;
+            }
+            to = in->sizes.at + t->v[k];
+            size = in->sizes.at[t->v[j]]
+                 + growth * pbwfill__distance(pbwfill__at(w, t->v[j]), pbwfill__at(w, t->v[k]));
+            if (!(*to < HUGE_VAL) && size < HUGE_VAL) {
+                *to = size;
+                changes = 1;
+            }
+        }
+    }
+    return PBW_OK;
+}
+
+/* The length of edges that is wanted at p in tetrahedron t, in units. */
+static double pbwfill__size_at(const pbwfill__inside *in, pbw_index t, const double *p)
+{
+    const pbwfill__work *w = in->w;
+    const pbwfill__tet *tet = w->tets.at + t;
+    double size = HUGE_VAL;
+    int k;
+    if (w->how.size_at != NULL) {
+        double place[3];
+        pbwfill__place(w, p, place);
+        size = pbwfill__in_units(w, w->how.size_at(w->how.size_user, place));
+        size = size > 0 ? size : HUGE_VAL;
+    } else if (w->how.size > 0) {
+        size = pbwfill__in_units(w, w->how.size);
+    } else {
+        const double growth = w->how.growth > 0 ? w->how.growth : 0.3;
+        for (k = 0; k < 4; k++) {
+            size = fmin(size, in->sizes.at[tet->v[k]] + growth * pbwfill__distance(pbwfill__at(w, tet->v[k]), p));
+        }
+    }
+    return size;
+}
+
+/* The edges of a regular tetrahedron of the largest volume that tetrahedron t may have. */
+static double pbwfill__bound_of(const pbwfill__work *w, pbw_index t)
+{
+    const pbw_index region = w->region.at[t];
+    double volume = w->how.volume > 0 ? w->how.volume : HUGE_VAL;
+    if (region < w->how.volume_count && w->how.volumes[region] > 0) {
+        volume = fmin(volume, w->how.volumes[region]);
+    }
+    return pbwfill__in_units(w, cbrt(sqrt(72) * volume));
+}
+
+/* What is wrong with tetrahedron t: how far from others a new point must be, 0 if nothing is; the center of its
+   sphere, its middle; whether it is too large, 2: for what was asked for. */
+static double pbwfill__is_wanting(const pbwfill__inside *in, pbw_index t, double center[3], double middle[3],
+                                  int *large)
+{
+    const pbwfill__work *w = in->w;
+    const double *o = pbwfill__at(w, w->tets.at[t].v[0]), ratio = w->how.ratio > 0 ? w->how.ratio : 2;
+    const double bound = pbwfill__bound_of(w, t);
+    double e[3][3], cross[3][3], square[3], volume, radius = 0, shortest = HUGE_VAL, size;
+    int i, k;
+    for (i = 0; i < 4; i++) {
+        const double *p = pbwfill__at(w, w->tets.at[t].v[i]);
+        for (k = i + 1; k < 4; k++) {
+            shortest = fmin(shortest, pbwfill__distance(p, pbwfill__at(w, w->tets.at[t].v[k])));
+        }
+        for (k = 0; i > 0 && k < 3; k++) {
+            e[i - 1][k] = p[k] - o[k];
+        }
+    }
+    for (i = 0; i < 3; i++) {
+        const double *a = e[(i + 1) % 3], *b = e[(i + 2) % 3];
+        square[i] = e[i][0] * e[i][0] + e[i][1] * e[i][1] + e[i][2] * e[i][2];
+        for (k = 0; k < 3; k++) {
+            cross[i][k] = a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
+        }
+    }
+    volume = e[0][0] * cross[0][0] + e[0][1] * cross[0][1] + e[0][2] * cross[0][2];
+    for (k = 0; k < 3; k++) {
+        const double c = (square[0] * cross[0][k] + square[1] * cross[1][k] + square[2] * cross[2][k]) / (2 * volume);
+        radius += c * c;
+        center[k] = o[k] + c;
+        middle[k] = o[k] + (e[0][k] + e[1][k] + e[2][k]) / 4;
+    }
+    radius = sqrt(radius);
+    size = pbwfill__size_at(in, t, middle);
+    *large = sqrt(2) * volume > bound * bound * bound ? 2
+           : radius > 0.75 * size ? 1 + (w->how.size > 0 || w->how.size_at != NULL) : 0;
+    return *large ? 0.6 * fmin(size, bound) : radius > ratio * shortest ? shortest : 0;
+}
+
+/* Goes from tetrahedron t to the one with p.  Returns PBW_NONE where a facet is between them, or the way is long. */
+static pbw_index pbwfill__reach(const pbwfill__work *w, pbw_index t, const double *p)
+{
+    enum { STEPS = 300 };
+    unsigned i = 0;
+    uint64_t step;
+    for (step = 0; step < STEPS && i < 4; step++) {
+        const unsigned first = (unsigned)(pbw_mix(step) & 3);
+        for (i = 0; i < 4; i++) {
+            const unsigned k = (first + i) & 3;
+            if (pbwfill__is_beyond(w, w->tets.at + t, k, p)) {
+                if (w->tets.at[t].wall[k] != PBW_NONE || w->tets.at[t].n[k] == PBW_NONE) {
+                    return PBW_NONE;
+                }
+                t = w->tets.at[t].n[k];
+                break;
+            }
+        }
+    }
+    return i == 4 ? t : PBW_NONE;
+}
+
+/* Whether the cavity ends across from corner k of its tetrahedron t. */
+static int pbwfill__ends_at(const pbwfill__work *w, pbw_index t, unsigned k)
+{
+    const pbwfill__tet *tet = w->tets.at + t;
+    return tet->n[k] == PBW_NONE || tet->wall[k] != PBW_NONE || w->seen.at[tet->n[k]] != w->epoch;
+}
+
+/* Takes tetrahedra with a face that p does not see out of the cavity, until none is left.  Returns the number of its
+   faces; 0: p does not see those of the tetrahedron that it is in. */
+static size_t pbwfill__trim_cavity(pbwfill__work *w, const double *p)
+{
+    const pbw_index start = w->cavity.at[0];
+    size_t i, kept = 0, faces = 0;
+    unsigned k, j;
+    int changes = 1;
+    while (changes && w->seen.at[start] == w->epoch) {
+        changes = 0;
+        for (i = 0; i < w->cavity.count; i++) {
+            const pbw_index t = w->cavity.at[i];
+            for (k = 0; k < 4 && w->seen.at[t] == w->epoch; k++) {
+                const double *c[4];
+                for (j = 0; j < 4; j++) {
+                    c[j] = j == k ? p : pbwfill__at(w, w->tets.at[t].v[j]);
+                }
+                if (pbwfill__ends_at(w, t, k) && pbw_orient3(c[0], c[1], c[2], c[3]) <= 0) {
+                    w->seen.at[t] = w->epoch + 1;
+                    changes = 1;
+                }
+            }
+        }
+    }
+    for (i = 0; i < w->cavity.count; i++) {
+        const pbw_index t = w->cavity.at[i];
+        if (w->seen.at[t] == w->epoch) {
+            w->cavity.at[kept++] = t;
+            for (k = 0; k < 4; k++) {
+                faces += (size_t)pbwfill__ends_at(w, t, k);
+            }
+        }
+    }
+    w->cavity.count = kept;
+    return w->seen.at[start] == w->epoch ? faces : 0;
+}
+
+/* Lists the tetrahedra in conflict with p, from the one that it is in, up to facets.  Returns 0 without memory. */
+static int pbwfill__open_cavity(pbwfill__work *w, pbw_index start, const double *p)
+{
+    size_t i;
+    unsigned k;
+    w->epoch += 2;
+    w->cavity.count = 0;
+    w->seen.at[start] = w->epoch;
+    if (!PBW_PUSH(&w->memory, w->cavity, start)) {
+        return 0;
+    }
+    for (i = 0; i < w->cavity.count; i++) {
+        for (k = 0; k < 4; k++) {
+            const pbwfill__tet *t = w->tets.at + w->cavity.at[i];
+            const pbw_index n = t->n[k];
+            if (n != PBW_NONE && t->wall[k] == PBW_NONE && w->seen.at[n] < w->epoch) {
+                w->seen.at[n] = w->epoch + !pbwfill__is_in_conflict(w, w->tets.at + n, p);
+                if (w->seen.at[n] == w->epoch && !PBW_PUSH(&w->memory, w->cavity, n)) {
+                    return 0;
+                }
+            }
+        }
+    }
+    return 1;
+}
+
+/* Whether the cavity may be the star of p: p keeps its distance from vertices and facets; no vertex and no wire is
+   within the cavity.  A failure is w->starved. */
+static int pbwfill__may_fill(pbwfill__inside *in, const double *p, double spacing)
+{
+    pbwfill__work *w = in->w;
+    double nearest = HUGE_VAL;
+    size_t i;
+    unsigned k, j;
+    pbwfill__clear(&w->table);
+    for (i = 0; i < 4 * w->cavity.count; i++) {
+        const pbw_index t = w->cavity.at[i / 4];
+        for (j = 0; pbwfill__ends_at(w, t, (unsigned)(i % 4)) && j < 3; j++) {
+            const pbw_index u = w->tets.at[t].v[PBW_FACET_CORNER(i % 4, j)];
+            const pbw_index v = w->tets.at[t].v[PBW_FACET_CORNER(i % 4, (j + 1) % 3)];
+            w->seen_vertex.at[u] = w->epoch;
+            nearest = fmin(nearest, pbwfill__distance(p, pbwfill__at(w, u)));
+            if (in->wires > 0 && pbwfill__put(w, &w->table, u < v ? u : v, u < v ? v : u, PBW_NONE) == NULL) {
+                w->starved = 1;
+                return 0;
+            }
+        }
+    }
+    for (i = 0; i < w->cavity.count && nearest >= spacing; i++) {
+        const pbwfill__tet *t = w->tets.at + w->cavity.at[i];
+        for (k = 0; k < 4; k++) {
+            if (w->seen_vertex.at[t->v[k]] != w->epoch) {
+                return 0;
+            }
+            for (j = k + 1; in->wires > 0 && j < 4; j++) {
+                const pbw_index u = t->v[k] < t->v[j] ? t->v[k] : t->v[j], v = t->v[k] ^ t->v[j] ^ u;
+                const pbwfill__slot *s = w->table.slots.count == 0 ? NULL : pbwfill__find(&w->table, u, v, PBW_NONE);
+                if (pbwfill__look_up(&w->segments, u, v, PBW_NONE) != PBW_NONE
+                    && (s == NULL || s->stamp != w->table.stamp)) {
+                    return 0;
+                }
+            }
+            if (t->wall[k] != PBW_NONE) {
+                const double *a = pbwfill__at(w, t->v[PBW_FACET_CORNER(k, 0)]);
+                const double *b = pbwfill__at(w, t->v[PBW_FACET_CORNER(k, 1)]);
+                const double *c = pbwfill__at(w, t->v[PBW_FACET_CORNER(k, 2)]);
+                double n[3], height = 0;
+                for (j = 0; j < 3; j++) {
+                    const unsigned x = (j + 1) % 3, y = (j + 2) % 3;
+                    n[j] = (b[x] - a[x]) * (c[y] - a[y]) - (b[y] - a[y]) * (c[x] - a[x]);
+                    height += n[j] * (p[j] - a[j]);
+                }
+                if (fabs(height) < 0.35 * nearest * sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2])) {
+                    return 0;
+                }
+            }
+        }
+    }
+    return nearest >= spacing;
+}
+
+/* Puts a point at p, if that may be; t: a tetrahedron near it.  taken: whether it may. */
+static pbw_status pbwfill__try_place(pbwfill__inside *in, pbw_index t, const double wanted[3], double spacing,
+                                     int *taken)
+{
+    pbwfill__work *w = in->w;
+    const pbw_index vertex = (pbw_index)pbwfill__vertices(w), region = w->region.at[t];
+    double p[3], size;
+    size_t i, faces;
+    unsigned k, j;
+    *taken = 0;
+    for (k = 0; k < 3; k++) {
+        if (!(fabs(wanted[k]) < ldexp(1, 31))) {
+            return PBW_OK;
+        }
+        p[k] = floor(wanted[k] * 1024 + 0.5) / 1024;
+    }
+    t = pbwfill__reach(w, t, p);
+    if (t == PBW_NONE) {
+        return PBW_OK;
+    }
+    if (!pbwfill__open_cavity(w, t, p)) {
+        return PBW_ERROR_MEMORY;
+    }
+    faces = pbwfill__trim_cavity(w, p);
+    if (faces == 0 || !pbwfill__may_fill(in, p, spacing)) {
+        return w->starved ? PBW_ERROR_MEMORY : PBW_OK;
+    }
+    size = HUGE_VAL;
+    for (i = 0; i < 4 * w->cavity.count; i++) {
+        const pbw_index v = w->tets.at[w->cavity.at[i / 4]].v[i % 4];
+        size = fmin(size, in->sizes.at[v]
+                    + (w->how.growth > 0 ? w->how.growth : 0.3) * pbwfill__distance(p, pbwfill__at(w, v)));
+    }
+    if (!pbwfill__reserve(w, faces) || !pbwfill__new_vertex(w, p) || !PBW_PUSH(&w->memory, in->sizes, size)
+        || (w->region.capacity < w->tets.count + faces
+            && !PBW_FIT(&w->memory, w->region, w->tets.count + faces + w->tets.count / 2))) {
+        return PBW_ERROR_MEMORY;
+    }
+    pbwfill__clear(&w->table);
+    for (i = 0; i < 4 * w->cavity.count; i++) {
+        const pbw_index old = w->cavity.at[i / 4];
+        k = (unsigned)(i % 4);
+        if (pbwfill__ends_at(w, old, k)) {
+            const pbw_status status = pbwfill__make_tet(w, old, k, vertex);
+            const pbw_index made = w->at.at[vertex];
+            if (status != PBW_OK || !PBW_PUSH(&w->memory, in->next, made)) {
+                return PBW_ERROR_MEMORY;
+            }
+            w->region.at[made] = region;
+            w->seen.at[made] = 0;
+            for (j = 0; j < 4; j++) {
+                w->tets.at[made].wall[j] = j == k ? w->tets.at[made].wall[j] : PBW_NONE;
+            }
+        }
+    }
+    for (i = 0; i < w->cavity.count; i++) {
+        w->region.at[w->cavity.at[i]] = PBW_NONE;
+        if (!pbwfill__drop_tet(w, w->cavity.at[i])) {
+            return PBW_ERROR_MEMORY;
+        }
+    }
+    w->report->inside_points++;
+    *taken = 1;
+    return PBW_OK;
+}
+
+/* Puts points where tetrahedra are too large or too slim, in rounds, until there are none, or no place for points. */
+static pbw_status pbwfill__refine(pbwfill__inside *in)
+{
+    pbwfill__work *w = in->w;
+    const size_t most = w->how.most == 0 ? 50000000 : w->how.most;
+    pbw_status status = PBW_OK;
+    size_t i, rounds;
+    for (rounds = 0; in->next.count > 0 && status == PBW_OK; rounds++) {
+        const pbwfill__indices swap = in->now;
+        in->now = in->next;
+        in->next = swap;
+        in->next.count = 0;
+        for (i = 0; i < in->now.count && status == PBW_OK; i++) {
+            const pbw_index t = in->now.at[i];
+            double center[3], middle[3], spacing;
+            int large, taken = 1;
+            if (pbwfill__tick(w, 1 - 1 / (1 + 0.1 * (double)rounds))) {
+                return PBW_CANCELLED;
+            }
+            if (w->tets.at[t].v[0] == PBW_NONE || w->region.at[t] == PBW_NONE) {
+                continue;
+            }
+            spacing = pbwfill__is_wanting(in, t, center, middle, &large);
+            if (spacing > 0) {
+                status = pbwfill__try_place(in, t, center, spacing, &taken);
+            }
+            if (!taken && large && status == PBW_OK) {
+                status = pbwfill__try_place(in, t, middle, spacing, &taken);
+            }
+            if (w->report->inside_points > most) {
+                return PBW_ERROR_TOO_LARGE;
+            }
+        }
+    }
+    return status;
+}
+
+static pbw_status pbwfill__add_inside(pbwfill__work *w)
+{
+    pbwfill__inside in;
+    pbw_status status;
+    size_t i;
+    if (w->how.size_at == NULL && !(w->how.size > 0) && !(w->how.ratio > 0) && !(w->how.volume > 0)
+        && w->how.volume_count == 0) {
+        return PBW_OK;
+    }
+    memset(&in, 0, sizeof in);
+    in.w = w;
+    memset(w->seen_vertex.at, 0, w->seen_vertex.count * sizeof *w->seen_vertex.at);
+    status = pbwfill__find_sizes(&in);
+    pbwfill__clear(&w->segments);
+    for (i = 0; i < w->pieces.count && status == PBW_OK; i++) {
+        const pbwfill__piece *p = w->pieces.at + i;
+        if (w->edges.at[p->edge].count == 0) {
+            pbw_index *slot = pbwfill__put(w, &w->segments, p->a < p->b ? p->a : p->b, p->a < p->b ? p->b : p->a,
+                                           PBW_NONE);
+            status = slot == NULL ? PBW_ERROR_MEMORY : PBW_OK;
+            if (slot != NULL) {
+                *slot = (pbw_index)i;
+                in.wires++;
+            }
+        }
+    }
+    for (i = 0; i < w->tets.count && status == PBW_OK; i++) {
+        status = w->region.at[i] == PBW_NONE || w->tets.at[i].v[0] == PBW_NONE
+              || PBW_PUSH(&w->memory, in.next, (pbw_index)i) ? PBW_OK : PBW_ERROR_MEMORY;
+    }
+    status = status != PBW_OK ? status : pbwfill__refine(&in);
+    for (i = 0; i < w->tets.count && status == PBW_OK; i++) {
+        double center[3], middle[3];
+        int large = 0;
+        if (w->tets.at[i].v[0] != PBW_NONE && w->region.at[i] != PBW_NONE) {
+            w->report->too_slim += pbwfill__is_wanting(&in, (pbw_index)i, center, middle, &large) > 0 && !large;
+            w->report->too_large += large == 2;
+        }
+    }
+    PBW_RELEASE(&w->memory, in.sizes);
+    PBW_RELEASE(&w->memory, in.now);
+    PBW_RELEASE(&w->memory, in.next);
+    return status;
+}
+
+/* ------------------------------------------------------------------------------------------------------
    >>result       The caller's arrays.
    In: the tetrahedra with regions.  Out: those that are kept, their points, and the facets.
    ------------------------------------------------------------------------------------------------------ */
@@ -3123,7 +3580,7 @@ static pbw_status pbwfill__write(pbwfill__work *w, pbw_filled *filled)
     }
     if (status == PBW_OK && w->how.improve.target > 0 && w->report->flat_tets == 0) {
         w->memory.used += r->memory.used;
-        status = pbwfill__begin(w, 8, "improve", 1) ? PBW_CANCELLED : pbwfill__improve(w, r, filled, &point);
+        status = pbwfill__begin(w, 9, "improve", 1) ? PBW_CANCELLED : pbwfill__improve(w, r, filled, &point);
         w->memory.used -= r->memory.used;
         pbwfill__hand_over(r, filled);
     }
@@ -3221,12 +3678,13 @@ static pbw_status pbwfill__run(pbwfill__work *w, pbw_filled *filled)
         { "grid", pbwfill__make_vertices, 0.02 }, { "triangulate", pbwfill__triangulate, 0.2 },
         { "edges", pbwfill__find_edges, 0.25 }, { "crossings", pbwfill__check_crossings, 0.3 },
         { "segments", pbwfill__recover_segments, 0.6 }, { "facets", pbwfill__recover_facets, 0.7 },
-        { "exact", pbwfill__clear_surface, 0.9 }, { "regions", pbwfill__find_regions, 0.95 }
+        { "exact", pbwfill__clear_surface, 0.8 }, { "regions", pbwfill__find_regions, 0.85 },
+        { "inside", pbwfill__add_inside, 0.95 }
     };
     pbw_status status = PBW_OK;
     int i;
     w->since = clock();
-    for (i = 0; i < 8 && status == PBW_OK; i++) {
+    for (i = 0; i < 9 && status == PBW_OK; i++) {
         status = pbwfill__begin(w, i, stages[i].name, stages[i].to) ? PBW_CANCELLED : stages[i].run(w);
     }
     status = status != PBW_OK ? status : pbwfill__write(w, filled);

@@ -12,22 +12,40 @@ static const option fill_options[] = {
     { "--faces", NULL, "groups of facets are the model's faces, numbered from 1 on, not its groups", SWITCH, 0, 0,
       NULL },
     OPTION_TARGET(", as far as the faces\nallow; default: no better angles"),
+    OPTION_SIZE("inside"),
+    OPTION_GRADATION("without --size: edges inside grow by this a unit of distance from the faces; default 0.3"),
+    { "--ratio", "R", "radius of a tetrahedron's sphere by its shortest edge, at most; default 2 with a\n"
+      "size, else any", POSITIVE, 0, 0, NULL },
+    { "--volume", "V", "of a tetrahedron, at most", POSITIVE, 0, 0, NULL },
+    { "--volumes", NULL, "the same of each region of a .poly or .smesh file, as the file says", SWITCH, 0, 0, NULL },
     OPTION_SECONDS,
     OPTION_MOST("points on edges"),
     OPTION_QUALITY,
     { NULL, NULL, NULL, SWITCH, 0, 0, NULL }
 };
 
+/* Whether points are asked for that faces do not need. */
+static int adds_points(const job *j)
+{
+    return is_given(j, "--size") || is_given(j, "--ratio") || is_given(j, "--volume") || is_given(j, "--volumes");
+}
+
 /* ---- the report ---- */
 
 static void report_on(const job *j, const pbw_filled *f, const pbw_fill_report *r)
 {
     static const char *const stages[] = { "grid", "triangulate", "edges", "crossings", "segments", "facets", "exact",
-                                          "regions", "improve" };
+                                          "regions", "inside", "improve" };
     pbw_quality quality;
     size_t i;
-    for (i = 0; i < sizeof stages / sizeof *stages - !is_given(j, "--target"); i++) {
-        if (i == 4) {
+    for (i = 0; i < sizeof stages / sizeof *stages; i++) {
+        if ((i == 8 && !adds_points(j)) || (i == 9 && !is_given(j, "--target"))) {
+            continue;
+        }
+        if (i == 8) {
+            report_step(j, stages[i], r->seconds[i], "%zu point%s; %zu %s too large and %zu too slim, at faces",
+                        COUNT(r->inside_points), r->too_large, simplices(3, r->too_large), r->too_slim);
+        } else if (i == 4) {
             report_step(j, stages[i], r->seconds[i], "%zu, of them %zu missing: %zu point%s added", r->segments,
                         r->missing_segments, COUNT(r->segment_points));
         } else if (i == 5) {
@@ -100,6 +118,7 @@ typedef struct seeding {                             /* what pbw_fill gets; star
     double *places;
     pbw_index *regions;
     pbw_index *groups;                               /* of each region: the file's */
+    double *volumes;                                 /* the largest of a tetrahedron; 0: any */
     size_t count, region_count;
 } seeding;
 
@@ -111,7 +130,8 @@ static int take_seeds(const pbwio_cloud *c, seeding *s)
     s->places = (double *)malloc((3 * c->seed_count + 1) * sizeof *s->places);
     s->regions = (pbw_index *)malloc((c->seed_count + 1) * sizeof *s->regions);
     s->groups = (pbw_index *)malloc((c->group_count + 1) * sizeof *s->groups);
-    if (region == NULL || s->places == NULL || s->regions == NULL || s->groups == NULL) {
+    s->volumes = (double *)calloc(c->group_count + 1, sizeof *s->volumes);
+    if (region == NULL || s->places == NULL || s->regions == NULL || s->groups == NULL || s->volumes == NULL) {
         free(region);
         return 0;
     }
@@ -126,6 +146,9 @@ static int take_seeds(const pbwio_cloud *c, seeding *s)
             s->groups[s->region_count++] = seed->group;
         }
         s->regions[s->count] = seed->group == PBW_NONE ? PBW_NONE : region[seed->group];
+        if (seed->group != PBW_NONE && seed->bound > 0) {
+            s->volumes[region[seed->group]] = seed->bound;
+        }
     }
     free(region);
     return 1;
@@ -136,6 +159,7 @@ static void free_seeds(seeding *s)
     free(s->places);
     free(s->regions);
     free(s->groups);
+    free(s->volumes);
 }
 
 /* A line for each region with a seed: its tetrahedra and volume. */
@@ -225,6 +249,29 @@ static int write_filled(job *j, const pbw_filled *f, naming *n)
 
 /* ---- the command ---- */
 
+/* What --size, --ratio and volumes ask for.  Returns 0 or the exit status. */
+static int set_inside(job *j, const seeding *seeds, sizing *sizes, pbw_fill_options *how)
+{
+    pbw_solid_options of_size;
+    int failed;
+    memset(&of_size, 0, sizeof of_size);
+    failed = set_sizes(j, sizes, &of_size);
+    how->size = of_size.size;
+    how->size_at = of_size.size_at;
+    how->size_user = of_size.size_user;
+    how->growth = number_of(j, "--gradation", 0);
+    how->ratio = number_of(j, "--ratio", 0);
+    how->volume = number_of(j, "--volume", 0);
+    if (is_given(j, "--volumes")) {
+        if (seeds->region_count == 0) {
+            return fail(j, "%s: --volumes: the file has no regions", j->input);
+        }
+        how->volumes = seeds->volumes;
+        how->volume_count = seeds->region_count;
+    }
+    return failed;
+}
+
 static int run(job *j)
 {
     pbw_fill_input input;
@@ -235,7 +282,8 @@ static int run(job *j)
     naming names;
     seeding seeds;
     size_t i;
-    int failed = load(j, 0);
+    sizing sizes;
+    int failed = load_sizes(j, 0);
     failed = failed ? failed : complete_faces(j);
     if (failed) {
         return failed;
@@ -265,7 +313,13 @@ static int run(job *j)
     how.improve.target = number_of(j, "--target", 0);
     how.improve.seconds = number_of(j, "--seconds", 0);
     how.stage = &j->stage;
+    failed = set_inside(j, &seeds, &sizes, &how);
+    if (failed) {
+        free_seeds(&seeds);
+        return failed;
+    }
     status = pbw_fill(&input, &how, &j->build, &filled, &report);
+    pbw_surface_free(&sizes.surface);
     if (status != PBW_OK) {
         free_seeds(&seeds);
         return refuse(j, status, &report);
@@ -301,11 +355,15 @@ const command command_fill = {
     "Angles may be small: --target raises them where the faces let it; pbw solid makes good tetrahedra near the\n"
     "surface.\n"
     "\n"
-    "of TetGen: -pY is pbw fill, -p is --conforming, -pi is either: points inside are kept; -pA regions, which are\n"
-    "always told; -q --target 20, but with points only where angles need them.  There is no -a.\n"
+    "for those who come from TetGen:\n"
+    "  -pY     pbw fill            -q1.4   --ratio 1.4; --target 20 for dihedral angles\n"
+    "  -p      --conforming        -a0.1   --volume 0.1; -a with bounds in the file: --volumes\n"
+    "  -pA     regions are always told, in the files and by their volumes here\n"
+    "  -i      points of the model that are in no face are kept\n"
+    "With --ratio or --volume faces get no points: tetrahedra at them may be slimmer or larger, and are counted.\n"
     "\n"
-    "input:   .obj .ply .stl .off .vtu .msh with faces; .poly .smesh of TetGen, with facets, holes, regions: what is\n"
-    "         enclosed and no hole is kept.  The largest volumes of regions are not kept\n"
+    "input:   .obj .ply .stl .off .vtu .msh with faces; .poly .smesh of TetGen, with holes and regions: what\n"
+    "         is enclosed and no hole is kept\n"
     "output:  .vtu .msh .msh2 .mesh .inp .su2 .node .ele .neigh .face (tetrahedra, facets), .obj .ply .stl .off\n"
     "         (boundary), .svg (picture), .html (page to look around in); any number of them\n"
     "\n",

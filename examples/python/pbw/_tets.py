@@ -98,8 +98,10 @@ class _FillInput(ctypes.Structure):
 
 class _FillOptions(ctypes.Structure):
     """pbw_fill_options."""
-    _fields_ = [*((name, ctypes.c_int) for name in ("conforming", "split_flat", "nested", "outside")), ("most", _size),
-                ("improve", _ImproveOptions), *_pointers("stage")]
+    _fields_ = [*((name, ctypes.c_int) for name in ("conforming", "split_flat", "nested", "outside")),
+                ("most", _size), ("size", _double), *_pointers("size_at size_user"), ("growth", _double), ("ratio", _double),
+                ("volume", _double), *_pointers("volumes"), ("volume_count", _size), ("improve", _ImproveOptions),
+                *_pointers("stage")]
 
 
 class _FillReport(ctypes.Structure):
@@ -107,8 +109,8 @@ class _FillReport(ctypes.Structure):
     _fields_ = [("refusal", ctypes.c_int), ("fault_count", _size), ("faults", ctypes.c_uint32 * 2 * 8),
                 *((name, _size) for name in ("rounded", "doubles", "collapsed", "segments", "facets",
                                              "missing_segments", "missing_facets", "segment_points", "inner_points",
-                                             "regions", "flat_tets")),
-                ("improve", _ImproveReport), ("inner", _Quality), ("seconds", _double * 9)]
+                                             "inside_points", "too_large", "too_slim", "regions", "flat_tets")),
+                ("improve", _ImproveReport), ("inner", _Quality), ("seconds", _double * 10)]
 
 
 class _Filled(ctypes.Structure):
@@ -443,7 +445,8 @@ def solid(vertices, faces, size=0, target=30, feature_angle=40, rounds=0, patche
 
 
 def fill(vertices, faces, numbers=None, segments=None, seeds=None, seed_regions=None, conforming=False,
-         split_flat=False, nested=False, outside=False, target=None, seconds=0, most=50000000):
+         split_flat=False, nested=False, outside=False, target=None, seconds=0, most=50000000, size=0, gradation=0,
+         ratio=0, volume=0):
     """Tetrahedra that keep a surface's own triangles: vertices (n, 3), faces (m, 3), with holes or walls as you like.
 
     The facets are the faces; report["refusal"] is not 0 if points had to stay on edges.  With conforming=True points
@@ -452,14 +455,19 @@ def fill(vertices, faces, numbers=None, segments=None, seeds=None, seed_regions=
     segments (s, 2): edges that belong to no face.  Vertices of no face are kept where they are inside.
     seeds (k, 3): places in regions; seed_regions, their whole numbers, -1 = a hole.  Else what is inside of an odd
     number of shells is kept, with nested=True all that is enclosed, and with outside=True a box around it, too.
+    Points inside, if one of these is given; at faces tetrahedra may be larger or slimmer, see report["too_large"] and
+    report["too_slim"]: size, the length of edges, a number or a function of a point (x, y, z), else that of the faces'
+    edges, which grows by gradation (0.3) a unit of distance; ratio (2), of circumscribed radius by shortest edge;
+    volume of a tetrahedron, a number or a dictionary with one for each of seed_regions that has a bound.
     target: degrees, dihedral angles inside are raised to it as far as the faces let it, in `seconds` if not 0.
+    seed_regions may be names, "" = a hole; then the regions are names, too, and "" where no seed is.
 
     Returns a Tets.  Its patches are the face that has each facet, or with numbers its number.
     Raises pbw.Error with the reason where faces cross, have no area, or bound nothing.
     """
     vertices = _checked("vertices", vertices, 3, np.float64)
     faces = _checked("faces", faces, 3, np.uint32, len(vertices))
-    given = _FillInput(vertices.ctypes.data, len(vertices), faces.ctypes.data, len(faces))
+    given, names = _FillInput(vertices.ctypes.data, len(vertices), faces.ctypes.data, len(faces)), None
     if numbers is not None:
         table, numbers = _labels("numbers", numbers, len(faces))
         given.numbers = numbers.ctypes.data
@@ -470,14 +478,39 @@ def fill(vertices, faces, numbers=None, segments=None, seeds=None, seed_regions=
         seeds = _checked("seeds", seeds, 3, np.float64)
         given.seeds, given.seed_count = seeds.ctypes.data, len(seeds)
     if seed_regions is not None:
-        seed_regions = np.ascontiguousarray(seed_regions, np.int32)
+        seed_regions = np.asarray(seed_regions)
         if seeds is None or seed_regions.shape != (len(seeds),):
             raise ValueError("seed_regions must have one number a seed")
+        if seed_regions.dtype.kind == "U":
+            names = np.array([*np.unique(seed_regions[seed_regions != ""]), ""])
+            seed_regions = np.where(seed_regions == "", -1, np.searchsorted(names[:-1], seed_regions))
+        seed_regions = np.ascontiguousarray(seed_regions, np.int32)
         given.seed_regions = seed_regions.ctypes.data
     _check_number("most", most, 1, 2**32)
     if target is not None:
         _check_number("target", target, 1, 60)
-    how = _FillOptions(conforming, split_flat, nested, outside, int(most), _ImproveOptions(target or 0, seconds))
+    how = _FillOptions(conforming, split_flat, nested, outside, int(most))
+    how.improve = _ImproveOptions(target or 0, seconds)
+    for name, value in ("gradation", gradation), ("ratio", ratio):
+        _check_number(name, value, 0, np.finfo(float).max)
+    how.growth, how.ratio, thrown = gradation, ratio, []
+    if callable(size):
+        keep = _at_points(size, thrown)
+        how.size_at = ctypes.cast(keep, ctypes.c_void_p)
+    else:
+        _check_number("size", size, 0, np.finfo(float).max)
+        how.size = size
+    if isinstance(volume, dict):
+        numbers_of = {name: i for i, name in enumerate(names[:-1].tolist())} if names is not None else None
+        keys = [one if numbers_of is None else numbers_of.get(one, -1) for one in volume]
+        if seed_regions is None or not set(keys) <= set(seed_regions.tolist()) or -1 in keys:
+            raise ValueError("volume: its keys must be among seed_regions")
+        bounds = np.zeros(max(keys, default=0) + 1)
+        bounds[keys] = list(volume.values())
+        how.volumes, how.volume_count = bounds.ctypes.data, len(bounds)
+    else:
+        _check_number("volume", volume, 0, np.finfo(float).max)
+        how.volume = volume
     filled, report = _Filled(), _FillReport()
 
     def finish(made, mesh):
@@ -486,12 +519,16 @@ def fill(vertices, faces, numbers=None, segments=None, seeds=None, seed_regions=
         made.patches = made.facet_triangle if numbers is None else table[numbers[made.facet_triangle]]
         made.sides = _copied(filled.sides, (filled.facet_count, 2), np.int32)
         made.edges = np.empty((0, 2), np.int32)
+        if names is not None:
+            made.regions = names[np.minimum(made.regions, len(names) - 1)]
 
     try:
         status, made = _made(lambda watch, mesh, report: _library.pbw_python_fill(
             ctypes.byref(given), ctypes.byref(how), watch, ctypes.byref(filled), report), report, finish, filled.tets)
     finally:
         _library.pbw_fill_free(ctypes.byref(filled))
+    if thrown:
+        raise thrown[0]
     if status == _errors.DEGENERATE:
         faults = [[int(one) for one in pair if one != 2**32 - 1] for pair in report.faults[:report.fault_count]]
         raise _errors.Error(_library.pbw_fill_refusal(report.refusal).decode() + (": %s" % faults if faults else ""))
