@@ -410,7 +410,7 @@ check "fill --split-flat" says 0 "14 points, 6 of them new, 24 facets" fill cube
 check "fill --target" says 0 "away from the surface: " fill small.obj --target 15 -o filled.vtu
 check "fill --target keeps the faces" says 0 ", 116 facets on the surface" fill small.obj --target 15 --seconds 9
 check "fill --size" says 0 "too slim, at faces" fill small.obj --size 0.3
-check "fill --size: a formula" says 0 "too slim, at faces" fill small.obj --size '0.2+0.3*hypot(x,y)' --gradation 0.5
+check "fill --size: a formula" says 0 "too slim, at faces" fill small.obj --size '0.2+0.3*hypot(x,y)'
 check "fill --ratio" says 0 ", 116 facets on the surface" fill small.obj --ratio 1.5 --volume 0.01
 check "fill --volumes without regions" says 1 "small.obj: --volumes: the file has no regions" fill small.obj --volumes
 check "fill: a cavity" says 0 " in 1 region, 16 points" fill both.obj --conforming

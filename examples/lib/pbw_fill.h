@@ -2811,7 +2811,7 @@ static pbw_status pbwfill__find_regions(pbwfill__work *w)
    Holds: a new point is the center of the sphere of a tetrahedron that is too large or too slim, or the middle of one
    that is too large.  The tetrahedra of which the spheres hold it, up to facets, give way to its star; those with a
    face that it does not see stay.  It keeps its distance from other points, so that there is an end: the size's 0.6,
-   or the shortest edge of a slim tetrahedron; and from facets 0.35 of its distance from points.
+   or the shortest edge of a slim tetrahedron; and from facets 0.35 of its distance from points, or of the size.
    ------------------------------------------------------------------------------------------------------ */
 typedef struct pbwfill__inside {
     pbwfill__work *w;
@@ -3044,7 +3044,7 @@ static int pbwfill__open_cavity(pbwfill__work *w, pbw_index start, const double 
 
 /* Whether the cavity may be the star of p: p keeps its distance from vertices and facets; no vertex and no wire is
    within the cavity.  A failure is w->starved. */
-static int pbwfill__may_fill(pbwfill__inside *in, const double *p, double spacing)
+static int pbwfill__may_fill(pbwfill__inside *in, const double *p, double spacing, double clearance)
 {
     pbwfill__work *w = in->w;
     double nearest = HUGE_VAL;
@@ -3088,7 +3088,7 @@ static int pbwfill__may_fill(pbwfill__inside *in, const double *p, double spacin
                     n[j] = (b[x] - a[x]) * (c[y] - a[y]) - (b[y] - a[y]) * (c[x] - a[x]);
                     height += n[j] * (p[j] - a[j]);
                 }
-                if (fabs(height) < 0.35 * nearest * sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2])) {
+                if (fabs(height) < fmin(0.35 * nearest, clearance) * sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2])) {
                     return 0;
                 }
             }
@@ -3099,7 +3099,7 @@ static int pbwfill__may_fill(pbwfill__inside *in, const double *p, double spacin
 
 /* Puts a point at p, if that may be; t: a tetrahedron near it.  taken: whether it may. */
 static pbw_status pbwfill__try_place(pbwfill__inside *in, pbw_index t, const double wanted[3], double spacing,
-                                     int *taken)
+                                     double clearance, int *taken)
 {
     pbwfill__work *w = in->w;
     const pbw_index vertex = (pbw_index)pbwfill__vertices(w), region = w->region.at[t];
@@ -3121,7 +3121,7 @@ static pbw_status pbwfill__try_place(pbwfill__inside *in, pbw_index t, const dou
         return PBW_ERROR_MEMORY;
     }
     faces = pbwfill__trim_cavity(w, p);
-    if (faces == 0 || !pbwfill__may_fill(in, p, spacing)) {
+    if (faces == 0 || !pbwfill__may_fill(in, p, spacing, clearance)) {
         return w->starved ? PBW_ERROR_MEMORY : PBW_OK;
     }
     size = HUGE_VAL;
@@ -3187,10 +3187,10 @@ static pbw_status pbwfill__refine(pbwfill__inside *in)
             }
             spacing = pbwfill__is_wanting(in, t, center, middle, &large);
             if (spacing > 0) {
-                status = pbwfill__try_place(in, t, center, spacing, &taken);
+                status = pbwfill__try_place(in, t, center, spacing, large ? 0.6 * spacing : HUGE_VAL, &taken);
             }
             if (!taken && large && status == PBW_OK) {
-                status = pbwfill__try_place(in, t, middle, spacing, &taken);
+                status = pbwfill__try_place(in, t, middle, spacing, 0.6 * spacing, &taken);
             }
             if (w->report->inside_points > most) {
                 return PBW_ERROR_TOO_LARGE;
