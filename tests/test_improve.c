@@ -987,6 +987,67 @@ static void label_free(labelled *l)
     free(l->regions);
 }
 
+/* Two balls that have one point in common, of several blocks that threads improve at once: the bytes do not depend on
+   threads.  1 % of the input's tetrahedra have a least angle below report.before.percent. */
+static void test_blocks(void)
+{
+    static const int threads[3] = { 2, 3, 8 };
+    const size_t count = 2500;
+    double *x = ball_points(2 * count, 0);
+    pbw_options options;
+    pbw_improve_options how;
+    pbw_improve_report report, other;
+    pbw_mesh mesh;
+    pbw_tets in, out, again;
+    pbw_index *corners;
+    size_t i, below = 0;
+    if (!test_begin("blocks on several threads")) {
+        free(x);
+        return;
+    }
+    memset(&mesh, 0, sizeof mesh);
+    memset(&options, 0, sizeof options);
+    memset(&how, 0, sizeof how);
+    how.passes = 4;
+    CHECK_EQUAL(pbw_triangulate(3, x, NULL, count, NULL, &mesh), PBW_OK);
+    corners = (pbw_index *)take(32 * mesh.simplex_count);
+    for (i = 0; i < 3 * count; i++) {                /* point 0 is on the sphere; the other ball is across from it */
+        x[3 * count + i] = 2 * x[i % 3] - x[i];
+    }
+    for (i = 0; i < 4 * mesh.simplex_count; i++) {
+        const pbw_index p = mesh.simplices[i];
+        corners[i] = p;
+        corners[4 * mesh.simplex_count + i] = p == 0 ? 0 : p + (pbw_index)count;
+    }
+    in = view(&mesh);
+    in.point_count = 2 * count;
+    in.points = x;
+    in.corners = corners;
+    in.tet_count = 2 * mesh.simplex_count;
+    options.threads = 1;
+    CHECK_EQUAL(pbw_improve(&in, &how, &options, &out, &report), PBW_OK);
+    CHECK(is_sound(&out) && report.after.least_sine >= report.before.least_sine);
+    for (i = 0; i < in.tet_count; i++) {
+        const pbw_index *c = corners + 4 * i;
+        below += pbw_tet_measure(PBW_MEASURE_LEAST_DIHEDRAL, x + 3 * (size_t)c[0], x + 3 * (size_t)c[1],
+                                 x + 3 * (size_t)c[2], x + 3 * (size_t)c[3]) < report.before.percent * (1 - 1e-9);
+    }
+    CHECK(below <= in.tet_count / 100 && below + 2 >= in.tet_count / 100);           /* each angle is there twice */
+    test_say("%zu tetrahedra, %zu below 30 degrees, then %zu", in.tet_count, report.before.below[3], report.left);
+    CHECK(report.left * 10 < report.before.below[3]);
+    for (i = 0; i < 3; i++) {
+        options.threads = threads[i];
+        CHECK_EQUAL(pbw_improve(&in, &how, &options, &again, &other), PBW_OK);
+        CHECK(same_bytes(&again, &out) && memcmp(&other, &report, sizeof other) == 0);
+        pbw_tets_free(&again);
+    }
+    pbw_tets_free(&out);
+    pbw_free(&mesh);
+    free(corners);
+    free(x);
+    test_end();
+}
+
 /* Patches and edges: the same bytes for any number of threads, after each allocation that fails, and at 30 levels of
    options.memory_limit, of which a call holds no more. */
 static void test_labelled(void)
@@ -1177,5 +1238,6 @@ int main(int argc, char **argv)
     test_refused();
     test_failures();
     test_labelled();
+    test_blocks();
     return test_finish();
 }

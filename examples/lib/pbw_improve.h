@@ -22,7 +22,7 @@
      >>insertion    operations of thorough passes: contraction, rejoining, insertion
      >>load         the input: neighbours, orientation, boundary, features
      >>smoothers    rounds that move all points
-     >>passes       batches of tetrahedra, worst first, on all threads
+     >>passes       blocks of the mesh on all threads, in each the worst tetrahedra first
      >>sizes        edges halved and contracted until they have their lengths
      >>result       the mesh written to the caller's arrays
      >>stages       all of it in order
@@ -49,8 +49,8 @@
        rejoining       a corner's star grows over the tetrahedra around it, and its facets are joined to that corner
        insertion       an edge or a tetrahedron gets a corner in its middle, joined to a cavity that grows likewise
    An operation is carried out only if it raises the least quality of the tetrahedra that it changes (Klingner and
-   Shewchuk 2007, "Aggressive tetrahedral mesh improvement").  Threads work at once on tetrahedra that are far from
-   each other; the choice depends on the mesh only.
+   Shewchuk 2007, "Aggressive tetrahedral mesh improvement").  Threads work at once in parts of the mesh, which depend
+   on the mesh only.
    Two steps come first if the options ask for them:
    1. options.sizes gives edge lengths.  Edges shorter than half of theirs are contracted, and edges longer than 1.4
       times theirs are halved, the worst first, with passes between.
@@ -258,6 +258,8 @@ static double pbwim__sine(const double *a, const double *b, const double *c, con
 {
     const double x[3] = { b[0] - a[0], b[1] - a[1], b[2] - a[2] }, y[3] = { c[0] - a[0], c[1] - a[1], c[2] - a[2] };
     const double z[3] = { d[0] - a[0], d[1] - a[1], d[2] - a[2] };
+    const double bc[3] = { c[0] - b[0], c[1] - b[1], c[2] - b[2] }, bd[3] = { d[0] - b[0], d[1] - b[1], d[2] - b[2] };
+    const double cd[3] = { d[0] - c[0], d[1] - c[1], d[2] - c[2] };
     double abc[3], abd[3], acd[3], bcd[3], p, q, r, s, v, least, t;
     int k;
     pbwsf__cross(x, y, abc);
@@ -275,9 +277,9 @@ static double pbwim__sine(const double *a, const double *b, const double *c, con
     least = pbwsf__dot(x, x) * p * q;
     t = pbwsf__dot(y, y) * p * r, least = t < least ? t : least;
     t = pbwsf__dot(z, z) * q * r, least = t < least ? t : least;
-    t = pbwsf__distance(b, c), t *= t * p * s, least = t < least ? t : least;
-    t = pbwsf__distance(b, d), t *= t * q * s, least = t < least ? t : least;
-    t = pbwsf__distance(c, d), t *= t * r * s, least = t < least ? t : least;
+    t = pbwsf__dot(bc, bc) * p * s, least = t < least ? t : least;
+    t = pbwsf__dot(bd, bd) * q * s, least = t < least ? t : least;
+    t = pbwsf__dot(cd, cd) * r * s, least = t < least ? t : least;
     return v * sqrt(least);
 }
 
@@ -441,44 +443,110 @@ static void pbwim__select(double *value, size_t count, size_t rank)
 /* Blocks of tetrahedra are measured at once, and summed up in order: sums do not depend on threads. */
 enum { PBWIM__BLOCK = 2048 };
 
+/* An angle grows with a ratio, that of the cosine of 180 degrees less the angle to its sine: ratios are compared, and
+   only those that are reported become angles. */
+typedef struct pbwim__measured {           /* of a block */
+    pbw_quality q;
+    double least, largest;                 /* ratios */
+    size_t tens[18];                       /* tetrahedra by least angles; [0]: then, where those below `limit` go */
+} pbwim__measured;
+
 typedef struct pbwim__measuring {
     const pbw_tets *mesh;
-    double *least;                         /* one a tetrahedron, or NULL */
-    pbw_quality *block;
+    double *least;                         /* ratios, one a tetrahedron, or NULL */
+    pbwim__measured *block;
+    double *low;                           /* the least ratios below `limit`, block by block */
+    double limit;
 } pbwim__measuring;
 
-static void pbwim__measure_block(const pbwim__measuring *work, size_t block, pbw_quality *q)
+/* Bounds of 10 degrees each, as ratios, the first and last ones included. */
+static const double pbwim__tens[21] = { -HUGE_VAL, -5.671281819617709, -2.747477419454622, -1.7320508075688772,
+    -1.19175359259421, -0.8390996311772799, -0.5773502691896258, -0.3639702342662024, -0.17632698070846498, 0.0,
+    0.17632698070846498, 0.3639702342662024, 0.5773502691896258, 0.8390996311772799, 1.19175359259421,
+    1.7320508075688772, 2.747477419454622, 5.671281819617709, HUGE_VAL, HUGE_VAL, HUGE_VAL };
+
+static double pbwim__angle_of(double ratio)
 {
-    static const double limits[4] = { 5, 10, 20, 30 };
+    return 180 - 57.295779513082321 * atan2(1, ratio);
+}
+
+/* Returns which 10 degrees a ratio is in. */
+static int pbwim__bin_of(double ratio)
+{
+    const double *bound = pbwim__tens + 1;
+    const int coarse = 4 * ((ratio >= bound[3]) + (ratio >= bound[7]) + (ratio >= bound[11]) + (ratio >= bound[15]));
+    return coarse + (ratio >= bound[coarse]) + (ratio >= bound[coarse + 1]) + (ratio >= bound[coarse + 2]);
+}
+
+/* Adds the dihedral angles of a tetrahedron.  Returns the least ratio. */
+static double pbwim__measure_angles(const pbwim__shape *s, pbwim__measured *of)
+{
+    double least = HUGE_VAL, largest = -HUGE_VAL;
+    int i;
+    for (i = 0; i < 6; i++) {
+        const double y = fabs(s->volume6) * sqrt(s->square[i]);
+        const double x = pbwsf__dot(s->normal[pbwim__edge[i][2]], s->normal[pbwim__edge[i][3]]);
+        const double ratio = y > 0 ? x / y : x < 0 ? -HUGE_VAL : HUGE_VAL;
+        const int bin = ratio < HUGE_VAL ? pbwim__bin_of(ratio) : 17;
+        least = ratio < least ? ratio : least;
+        largest = ratio > largest ? ratio : largest;
+        of->q.bins[bin]++;
+    }
+    of->largest = largest > of->largest ? largest : of->largest;
+    return least;
+}
+
+static void pbwim__measure_block(const pbwim__measuring *work, size_t block, pbwim__measured *of)
+{
+    static const double limits[4] = { -11.430052302761343, -5.671281819617709, -2.747477419454622,
+                                      -1.7320508075688772 };         /* ratios of 5, 10, 20, 30 degrees */
     const pbw_tets *mesh = work->mesh;
     const size_t end = mesh->tet_count - block * PBWIM__BLOCK < PBWIM__BLOCK ? mesh->tet_count
                                                                              : (block + 1) * PBWIM__BLOCK;
+    pbw_quality *q = &of->q;
     size_t i, k;
-    memset(q, 0, sizeof *q);
-    q->least = 180;
+    memset(of, 0, sizeof *of);
+    of->least = HUGE_VAL;
+    of->largest = -HUGE_VAL;
     q->least_sine = 1;
     for (i = block * PBWIM__BLOCK; i < end; i++) {
         const double *c[4];
-        double angle[6], lowest = 180;
+        pbwim__shape s;
+        double lowest;
         for (k = 0; k < 4; k++) {
             c[k] = mesh->points + 3 * (size_t)mesh->corners[4 * i + k];
         }
-        pbwim__angles(c, angle);
-        for (k = 0; k < 6; k++) {
-            lowest = fmin(lowest, angle[k]);
-            q->largest = fmax(q->largest, angle[k]);
-            q->bins[angle[k] < 180 ? (size_t)(angle[k] / 10) : 17]++;
-        }
+        pbwim__shape_of(c, &s);
+        lowest = pbwim__measure_angles(&s, of);
         for (k = 0; k < 4; k++) {
             q->below[k] += lowest < limits[k];
         }
-        q->least = fmin(q->least, lowest);
+        of->least = lowest < of->least ? lowest : of->least;
+        of->tens[lowest < HUGE_VAL ? pbwim__bin_of(lowest) : 17]++;
         q->least_sine = fmin(q->least_sine, pbwim__sine(c[0], c[1], c[2], c[3]));
-        q->volume += pbw_tet_measure(PBW_MEASURE_VOLUME, c[0], c[1], c[2], c[3]);
+        q->volume += s.volume6 / 6;
         if (work->least != NULL) {
             work->least[i] = lowest;
         }
     }
+    q->least = pbwim__angle_of(of->least);
+    q->largest = pbwim__angle_of(of->largest);
+}
+
+static pbw_status pbwim__list_low(void *arg, size_t from, size_t to)
+{
+    const pbwim__measuring *work = (const pbwim__measuring *)arg;
+    for (; from < to; from++) {
+        const size_t end = work->mesh->tet_count - from * PBWIM__BLOCK < PBWIM__BLOCK ? work->mesh->tet_count
+                                                                                      : (from + 1) * PBWIM__BLOCK;
+        size_t at = *work->block[from].tens, i;
+        for (i = from * PBWIM__BLOCK; i < end; i++) {
+            if (work->least[i] < work->limit || work->limit == HUGE_VAL) {
+                work->low[at++] = work->least[i];
+            }
+        }
+    }
+    return PBW_OK;
 }
 
 static pbw_status pbwim__measure_range(void *arg, size_t from, size_t to)
@@ -519,12 +587,53 @@ static pbw_options pbwim__inner_options(const pbw_options *options, const pbw_me
     return inner;
 }
 
+/* Finds the angles that 0.1 % and 1 % are below, among those below a bound
+   of bins that so many are.  Returns 0 if there is no
+   memory. */
+static int pbwim__find_shares(pbwim__measuring *work, const pbw_options *options, pbw_memory *memory, size_t blocks,
+                              pbw_quality *quality)
+{
+    const size_t count = work->mesh->tet_count;
+    pbwsf__numbers low = { NULL, 0, 0 };
+    pbw_options inner;
+    size_t sum = 0, i, k, tens;
+    int done;
+    for (tens = 0; tens < 18 && sum <= count / 100; tens++) {
+        for (i = 0; i < blocks; i++) {
+            sum += work->block[i].tens[tens];
+        }
+    }
+    if (!PBW_FIT(memory, low, sum)) {
+        return 0;
+    }
+    for (i = sum = 0; i < blocks; i++) {
+        size_t here = 0;
+        for (k = 0; k < tens; k++) {
+            here += work->block[i].tens[k];
+        }
+        *work->block[i].tens = sum;
+        sum += here;
+    }
+    work->limit = pbwim__tens[tens];
+    work->low = low.at;
+    inner = pbwim__inner_options(options, memory);
+    done = pbw_for(&inner, blocks, 16, pbwim__list_low, work) == PBW_OK;
+    if (done) {
+        pbwim__select(low.at, sum, count / 100);
+        quality->percent = pbwim__angle_of(low.at[count / 100]);
+        pbwim__select(low.at, count / 100 + 1, count / 1000);
+        quality->permille = pbwim__angle_of(low.at[count / 1000]);
+    }
+    PBW_RELEASE(memory, low);
+    return done;
+}
+
 PBWIMPROVEDEF int pbw_tets_quality(const pbw_tets *mesh, const pbw_options *options, pbw_quality *quality)
 {
     const size_t count = mesh->tet_count, blocks = count / PBWIM__BLOCK + (count % PBWIM__BLOCK != 0);
     pbw_memory memory;
     pbwsf__numbers least = { NULL, 0, 0 };
-    PBW_ARRAY(pbw_quality) block = { NULL, 0, 0 };
+    PBW_ARRAY(pbwim__measured) block = { NULL, 0, 0 };
     pbwim__measuring work;
     pbw_options inner;
     size_t i;
@@ -534,27 +643,25 @@ PBWIMPROVEDEF int pbw_tets_quality(const pbw_tets *mesh, const pbw_options *opti
     kept = PBW_FIT(&memory, least, count + 1) && PBW_FIT(&memory, block, blocks + 1);
     quality->least = count > 0 ? 180 : 0;
     quality->least_sine = count > 0 ? 1 : 0;
+    memset(&work, 0, sizeof work);
     work.mesh = mesh;
     work.block = block.at;
     work.least = kept ? least.at : NULL;
     inner = pbwim__inner_options(options, &memory);
     done = kept && pbw_for(&inner, blocks, 1, pbwim__measure_range, &work) == PBW_OK;
     for (i = 0; i < blocks; i++) {
-        pbw_quality q;
+        pbwim__measured here;
         if (!done) {
-            pbwim__measure_block(&work, i, &q);
+            pbwim__measure_block(&work, i, &here);
         }
-        pbwim__add_quality(quality, done ? work.block + i : &q);
+        pbwim__add_quality(quality, done ? &work.block[i].q : &here.q);
     }
-    if (kept && count > 0) {
-        pbwim__select(work.least, count, count / 100);
-        quality->percent = work.least[count / 100];
-        pbwim__select(work.least, count / 100 + 1, count / 1000);
-        quality->permille = work.least[count / 1000];
+    if (done && count > 0) {
+        kept = pbwim__find_shares(&work, options, &memory, blocks, quality);
     }
     PBW_RELEASE(&memory, least);
     PBW_RELEASE(&memory, block);
-    return kept;
+    return kept && done;
 }
 
 /* ------------------------------------------------------------------------------------------------------
@@ -566,7 +673,10 @@ PBWIMPROVEDEF int pbw_tets_quality(const pbw_tets *mesh, const pbw_options *opti
    ------------------------------------------------------------------------------------------------------ */
 enum {
     PBWIM__MOST = 192,                     /* tetrahedra that one operation replaces; larger stars are left alone */
+    PBWIM__ZONE = 512,                     /* tetrahedra that improving one may read beside threads; a power of 2 */
+    PBWIM__ZONE_SHIFT = 22,                /* 32 less the bits of twice as many */
     PBWIM__RING = 10,                      /* corners of a ring */
+    PBWIM__SLICE = 4096,                   /* tetrahedra or points of one range of a loop on all threads */
     PBWIM__OPEN = 8 * PBWIM__MOST,          /* facets of that, at most */
     PBWIM__SPARE = 2 * PBWIM__RING         /* free slots of a task: no operation of a pass makes more tetrahedra */
 };
@@ -579,7 +689,8 @@ enum {
 
 typedef struct pbwim__kept_edge { pbw_index a, b, origin; } pbwim__kept_edge; /* a < b; origin PBW_NONE: no more */
 typedef PBW_ARRAY(pbwim__kept_edge) pbwim__kept_edges;
-typedef struct pbwim__item { double quality; pbw_index t; } pbwim__item;
+typedef struct pbwim__item { double quality; pbw_index t, block; } pbwim__item;
+typedef PBW_ARRAY(pbwim__item) pbwim__items;
 
 struct pbwim__task;
 
@@ -611,13 +722,14 @@ typedef struct pbwim__mesh {
     double cosine;                         /* of the feature angle */
     int sized, patched;
     pbw_improve_report *report;
-    double done;                           /* of the work, as last reported */
+    double done[2];                        /* of the work, as last reported; when the loop in work has ended */
     double deadline;                       /* the processor time at which it ends with what it has; 0: never */
-    PBW_ARRAY(pbwim__item) queue;
+    pbwim__items queue, sorted;
     PBW_ARRAY(struct pbwim__task) tasks;
-    pbwsf__indices taken;                  /* per point, the last batch that had it */
+    pbwsf__pairs place;                    /* of points along two curves; empty before the first large pass */
+    size_t placed;                         /* how many points there were then: places are below */
     pbwsf__flags active;                   /* per point: passes work where it is not 0; empty: everywhere */
-    pbw_index batch;
+    pbwsf__counts tally;                   /* per slice of the tetrahedra or points */
     pbw_surface surface;                   /* the input's boundary, for project */
     pbwsf__indices facets;
 } pbwim__mesh;
@@ -669,6 +781,7 @@ static int pbwim__resize_points(pbwim__mesh *m, size_t count)
         && PBW_FIT(y, m->touched, count)
         && PBW_FIT(y, m->failed, count)
         && PBW_FIT(y, m->original, count)
+        && (m->placed == 0 || PBW_FIT(y, m->place, count))
         && (!m->sized || PBW_FIT(y, m->size, count)) && PBW_FIT(y, m->mark, count);
 }
 
@@ -681,7 +794,56 @@ static int pbwim__resize_tets(pbwim__mesh *m, size_t count)
         && PBW_FIT(y, m->region, count)
         && PBW_FIT(y, m->tried, count)
         && (!m->patched || PBW_FIT(y, m->patch, count))
+        && PBW_FIT(y, m->tally, count / PBWIM__SLICE + 1)
         && PBW_FIT(y, m->seen, count);
+}
+
+/* ---- loops on all threads ---- */
+
+/* Reports that so much of the work is done.  Returns 1 if the caller cancels. */
+static int pbwim__progress(pbwim__mesh *m, double done)
+{
+    m->done[0] = m->done[1] = done;
+    return m->options != NULL && m->options->progress != NULL
+        && m->options->progress(m->options->progress_user, PBW_STAGE_WORK, done) != 0;
+}
+
+/* The progress of a loop, from done[0] to done[1] of the work. */
+static int pbwim__pass_on(void *user, pbw_stage stage, double done)
+{
+    const pbwim__mesh *m = (const pbwim__mesh *)user;
+    (void)stage;
+    return m->options->progress(m->options->progress_user, PBW_STAGE_WORK,
+                                m->done[0] + done * (m->done[1] - m->done[0]));
+}
+
+/* pbw_for within the call. */
+static pbw_status pbwim__for(pbwim__mesh *m, size_t count, size_t grain, pbw_body *body, void *arg)
+{
+    pbw_options inner = pbwim__inner_options(m->options, &m->memory);
+    if (m->options != NULL && m->options->progress != NULL) {
+        inner.progress = pbwim__pass_on;
+        inner.progress_user = m;
+    }
+    return pbw_for(&inner, count, grain, body, arg);
+}
+
+/* Makes of the counts of slices their sums so far.  Returns the sum of all. */
+static size_t pbwim__sum_up(size_t *tally, size_t slices)
+{
+    size_t sum = 0, i;
+    for (i = 0; i < slices; i++) {
+        const size_t here = tally[i];
+        tally[i] = sum;
+        sum += here;
+    }
+    return sum;
+}
+
+/* Returns how many slices `count` items make. */
+static size_t pbwim__slices(size_t count)
+{
+    return count / PBWIM__SLICE + (count % PBWIM__SLICE != 0);
 }
 
 /* ---- edges to keep ---- */
@@ -740,11 +902,11 @@ static int pbwim__reserve_edges(pbwim__mesh *m, size_t more)
     return 1;
 }
 
-/* Makes room for one operation and for the tasks of a batch, so that none of them fails.  Compares with the arrays
-   that are resized last: if memory ran out between, these are the shortest. */
-static int pbwim__reserve(pbwim__mesh *m, size_t tasks)
+/* Makes room for one operation and for so many more tetrahedra and points, so that none of them fails.  Compares with
+   the arrays that are resized last: if memory ran out between, these are the shortest. */
+static int pbwim__reserve(pbwim__mesh *m, size_t more_tets, size_t more_points)
 {
-    const size_t tets = m->tets + 2 * PBWIM__MOST + tasks * PBWIM__SPARE, points = m->points + 4 + tasks;
+    const size_t tets = m->tets + 2 * PBWIM__MOST + more_tets, points = m->points + 4 + more_points;
     if (tets >= PBW_NONE / 4 || points >= PBW_NONE || (m->edge.count > 0 && !pbwim__reserve_edges(m, 2))) {
         return 0;
     }
@@ -1022,29 +1184,48 @@ static double pbwim__worst_old(const pbwim__mesh *m, const pbwim__change *change
 
 /* ---- stars, rings and boundary edges ---- */
 
-/* Fills `star` with the tetrahedra at p that are connected through facets.  Returns how many, 0 if too many. */
-static int pbwim__star_of(pbwim__mesh *m, pbw_index p, pbw_index *star)
+/* Fills `list` with t and the tetrahedra that are connected to it through facets, all of these with one of the points
+   `core`: t has one, too.  Returns how many, 0 if they are more than `most`, which is at most PBWIM__ZONE.  It writes
+   nothing to the mesh: threads do this at once. */
+static int pbwim__around(const pbwim__mesh *m, pbw_index t, const pbw_index *core, int cores, pbw_index *list,
+                         int most)
 {
-    int count = 0, i, k;
-    if (m->star.at[p] == PBW_NONE) {
-        return 0;
-    }
-    pbwim__visit(m);
-    star[count++] = m->star.at[p];
-    m->seen.at[star[0]] = m->visit;
+    uint16_t table[2 * PBWIM__ZONE] = { 0 };         /* 1 more than where it is in the list, by a hash; 0 = none */
+    int count = 0, i, k, j;
+    list[count++] = t;
+    table[t * 0x9e3779b1u >> PBWIM__ZONE_SHIFT] = 1;
     for (i = 0; i < count; i++) {
-        const pbw_index *c = m->corner.at[star[i]], *next = m->next.at[star[i]];
+        const pbw_index *c = m->corner.at[list[i]], *next = m->next.at[list[i]];
+        int cored = 0;                               /* bit k: corner k is one of the points */
+        for (j = 0; j < cores; j++) {
+            cored |= (c[0] == core[j]) | (c[1] == core[j]) << 1 | (c[2] == core[j]) << 2 | (c[3] == core[j]) << 3;
+        }
         for (k = 0; k < 4; k++) {
-            if (c[k] != p && next[k] != PBW_NONE && m->seen.at[next[k]] != m->visit) {
-                if (count == PBWIM__MOST) {
+            pbw_index n;
+            uint32_t at;
+            if ((cored & ~(1 << k)) == 0 || next[k] == PBW_NONE) {       /* other links may change */
+                continue;
+            }
+            n = next[k];
+            for (at = n * 0x9e3779b1u >> PBWIM__ZONE_SHIFT; table[at] != 0 && list[table[at] - 1] != n;) {
+                at = (at + 1) % (2 * PBWIM__ZONE);
+            }
+            if (table[at] == 0) {
+                if (count == most) {
                     return 0;
                 }
-                m->seen.at[next[k]] = m->visit;
-                star[count++] = next[k];
+                list[count++] = n;
+                table[at] = (uint16_t)count;
             }
         }
     }
     return count;
+}
+
+/* Fills `star` with the tetrahedra at p that are connected through facets.  Returns how many, 0 if too many. */
+static int pbwim__star_of(const pbwim__mesh *m, pbw_index p, pbw_index *star)
+{
+    return m->star.at[p] == PBW_NONE ? 0 : pbwim__around(m, m->star.at[p], &p, 1, star, PBWIM__MOST);
 }
 
 typedef struct pbwim__ring {               /* around the edge from a to b, counter-clockwise seen from b */
@@ -2023,6 +2204,9 @@ static int pbwim__insert(pbwim__mesh *m, pbw_index t, pbwim__change *change, con
     if (m->sized) {
         m->size.at[p] = m->size.at[v.cone.facet[0][0]];
     }
+    if (m->placed > 0) {
+        memcpy(m->place.at[p], m->place.at[v.cone.facet[0][0]], sizeof m->place.at[p]);
+    }
     pbwim__apply(m, change);
     m->report->insertions++;
     return 1;
@@ -2099,14 +2283,6 @@ static int pbwim__split(pbwim__mesh *m, pbw_index t)
    >>load         Neighbours, orientation, the boundary and its features.
    In: the caller's arrays.  Out: a mesh as above, or a status and a message.
    ------------------------------------------------------------------------------------------------------ */
-/* Reports that so much of the work is done.  Returns 1 if the caller cancels. */
-static int pbwim__progress(pbwim__mesh *m, double done)
-{
-    m->done = done;
-    return m->options != NULL && m->options->progress != NULL
-        && m->options->progress(m->options->progress_user, PBW_STAGE_WORK, done) != 0;
-}
-
 static void pbwim__set_message(const pbwim__mesh *m, const char *text, size_t i, size_t k)
 {
     if (m->options != NULL && m->options->message != NULL && m->options->message_size > 0) {
@@ -2187,24 +2363,157 @@ static void pbwim__invert(pbwim__mesh *m, pbw_index t)
     }
 }
 
-/* Links tetrahedra over the sorted facets. */
-static pbw_status pbwim__link(pbwim__mesh *m, const pbwim__facet *facet, size_t count)
+/* ---- neighbours: the facets of tetrahedra, those at one lowest corner sorted by their other corners ---- */
+
+typedef struct pbwim__side {
+    uint64_t key;                          /* the facet's other two corners */
+    pbw_index facet;                       /* 4 t + i */
+    int odd;                               /* how t sees its corners in ascending order */
+} pbwim__side;
+
+typedef struct pbwim__linking {
+    pbwim__mesh *m;
+    PBW_ARRAY(pbwim__side) sides;
+    pbwsf__indices last;                   /* per point, where its sides begin; once they are in, where they end */
+    pbwsf__indices valence;                /* per point, its tetrahedra */
+    PBW_ARRAY(uint64_t) counts;            /* per point, its sides, and 2^32 for each of its tetrahedra */
+    size_t flaw;                           /* the first side of a facet that three have, else -1 */
+    int mixed, joints;                     /* two tetrahedra are on one side of a facet; there are joints */
+} pbwim__linking;
+
+/* Sorts the corners of t, 4 times a corner and its number each.  Returns whether their order is odd. */
+static int pbwim__sort_corners(const pbw_index *c, uint64_t sorted[4])
 {
-    size_t i;
-    for (i = 0; i < count; i++) {
-        const pbwim__facet *f = facet + i;
-        const int paired = i + 1 < count && memcmp(f->v, f[1].v, sizeof f->v) == 0;
-        m->next.at[f->t][f->i] = paired ? f[1].t : PBW_NONE;
-        if (paired) {
-            m->next.at[f[1].t][f[1].i] = f->t;
-            i++;
-        }
-        if (paired && i + 1 < count && memcmp(f->v, f[2].v, sizeof f->v) == 0) {
-            pbwim__set_message(m, "tetrahedra %zu and %zu are at a facet that others have, too", f->t, f[1].t);
-            return PBW_ERROR_ARGUMENT;
+    static const int pair[5][2] = { { 0, 1 }, { 2, 3 }, { 0, 2 }, { 1, 3 }, { 1, 2 } };
+    int i, odd = 0;
+    for (i = 0; i < 4; i++) {
+        sorted[i] = (uint64_t)c[i] << 2 | (uint64_t)i;
+    }
+    for (i = 0; i < 5; i++) {
+        uint64_t *x = sorted + pair[i][0], *y = sorted + pair[i][1];
+        const uint64_t low = *x < *y ? *x : *y, high = *x < *y ? *y : *x;
+        odd ^= low != *x;
+        *x = low;
+        *y = high;
+    }
+    return odd;
+}
+
+static pbw_status pbwim__count_sides(void *arg, size_t from, size_t to)
+{
+    const pbwim__linking *k = (const pbwim__linking *)arg;
+    const uint64_t one = (uint64_t)1 << 32;
+    uint64_t c[4];
+    for (; from < to; from++) {
+        (void)pbwim__sort_corners(k->m->corner.at[from], c);
+        (void)PBW_ATOMIC_ADD(&k->counts.at[c[0] >> 2], one + 3);
+        (void)PBW_ATOMIC_ADD(&k->counts.at[c[1] >> 2], one + 1);
+        (void)PBW_ATOMIC_ADD(&k->counts.at[c[2] >> 2], one);
+        (void)PBW_ATOMIC_ADD(&k->counts.at[c[3] >> 2], one);
+    }
+    return PBW_OK;
+}
+
+static pbw_status pbwim__list_sides(void *arg, size_t from, size_t to)
+{
+    const pbwim__linking *k = (const pbwim__linking *)arg;
+    uint64_t c[4];
+    int i;
+    for (; from < to; from++) {
+        const int odd = pbwim__sort_corners(k->m->corner.at[from], c);
+        const size_t first = PBW_ATOMIC_ADD(&k->last.at[c[0] >> 2], 3);
+        const size_t second = PBW_ATOMIC_ADD(&k->last.at[c[1] >> 2], 1);
+        for (i = 0; i < 4; i++) {                    /* across from corner i of the sorted ones */
+            pbwim__side *side = k->sides.at + (i == 0 ? second : first + (size_t)(i - 1));
+            side->key = c[i < 2 ? 2 : 1] >> 2 << 32 | c[i < 3 ? 3 : 2] >> 2;
+            side->facet = (pbw_index)(4 * from + c[i] % 4);
+            side->odd = odd ^ i % 2;
         }
     }
     return PBW_OK;
+}
+
+static int pbwim__compare_sides(const void *a, const void *b)
+{
+    const pbwim__side *x = (const pbwim__side *)a, *y = (const pbwim__side *)b;
+    return x->key != y->key ? (x->key > y->key) - (x->key < y->key) : (x->facet > y->facet) - (x->facet < y->facet);
+}
+
+/* Sorts the sides of one point: threads may have listed them in any order. */
+static void pbwim__sort_sides(pbwim__side *side, size_t count)
+{
+    size_t i, k;
+    if (count > 64) {
+        qsort(side, count, sizeof *side, pbwim__compare_sides);
+        return;
+    }
+    for (i = 1; i < count; i++) {
+        const pbwim__side moving = side[i];
+        for (k = i; k > 0 && (moving.key < side[k - 1].key
+                              || (moving.key == side[k - 1].key && moving.facet < side[k - 1].facet)); k--) {
+            side[k] = side[k - 1];
+        }
+        side[k] = moving;
+    }
+}
+
+/* Links the tetrahedra at the facets whose lowest corners are from..to-1. */
+static pbw_status pbwim__link_sides(void *arg, size_t from, size_t to)
+{
+    pbwim__linking *k = (pbwim__linking *)arg;
+    pbwim__mesh *m = k->m;
+    size_t p, i;
+    for (p = from; p < to; p++) {
+        const size_t begin = p > 0 ? k->last.at[p - 1] : 0, end = k->last.at[p];
+        pbwim__side *side = k->sides.at;
+        pbwim__sort_sides(side + begin, end - begin);
+        for (i = begin; i < end; i++) {
+            const pbw_index f = side[i].facet, g = i + 1 < end && side[i].key == side[i + 1].key ? side[i + 1].facet
+                                                                                               : PBW_NONE;
+            m->next.at[f / 4][f % 4] = g == PBW_NONE ? PBW_NONE : g / 4;
+            if (g == PBW_NONE) {
+                continue;
+            }
+            m->next.at[g / 4][g % 4] = f / 4;
+            if (side[i].odd == side[i + 1].odd) {
+                PBW_ATOMIC_STORE(&k->mixed, 1);
+            }
+            if (i + 2 < end && side[i].key == side[i + 2].key) {
+                size_t flaw = PBW_ATOMIC_LOAD(&k->flaw);
+                while (i < flaw && !PBW_ATOMIC_CAS(&k->flaw, &flaw, i)) {
+                }
+                return PBW_ERROR_ARGUMENT;
+            }
+            i++;
+        }
+    }
+    return PBW_OK;
+}
+
+/* Links all tetrahedra. */
+static pbw_status pbwim__link(pbwim__linking *k)
+{
+    pbwim__mesh *m = k->m;
+    pbw_status status;
+    pbw_index sum = 0;
+    size_t p;
+    if (!PBW_FIT(&m->memory, k->sides, 4 * m->tets + 1) || !PBW_FIT(&m->memory, k->last, m->points + 1)
+        || !PBW_FIT(&m->memory, k->valence, m->points + 1) || !PBW_ZEROS(&m->memory, k->counts, m->points)) {
+        return PBW_ERROR_MEMORY;
+    }
+    status = pbwim__for(m, m->tets, PBWIM__SLICE, pbwim__count_sides, k);
+    for (p = 0; p < m->points; p++) {
+        k->valence.at[p] = (pbw_index)(k->counts.at[p] >> 32);
+        k->last.at[p] = sum;
+        sum += (pbw_index)k->counts.at[p];
+    }
+    status = status != PBW_OK ? status : pbwim__for(m, m->tets, PBWIM__SLICE, pbwim__list_sides, k);
+    status = status != PBW_OK ? status : pbwim__for(m, m->points, PBWIM__SLICE, pbwim__link_sides, k);
+    if (status == PBW_ERROR_ARGUMENT) {
+        pbwim__set_message(m, "tetrahedra %zu and %zu are at a facet that others have, too",
+                           k->sides.at[k->flaw].facet / 4, k->sides.at[k->flaw + 1].facet / 4);
+    }
+    return status;
 }
 
 /* Orients flat tetrahedra as their neighbours are; then all must agree. */
@@ -2268,57 +2577,94 @@ static void pbwim__fix_features(pbwim__mesh *m, const pbwim__facet *edge, size_t
 }
 
 /* Fixes points of several regions, and joints: points at which tetrahedra meet without a facet between. */
-static void pbwim__fix_joints(pbwim__mesh *m, size_t *valence)
+static pbw_status pbwim__fix_joints(void *arg, size_t from, size_t to)
 {
+    pbwim__linking *k = (pbwim__linking *)arg;
+    pbwim__mesh *m = k->m;
     pbw_index star[PBWIM__MOST];
-    size_t t, p;
-    int k, i, count;
-    memset(valence, 0, m->points * sizeof *valence);
-    for (t = 0; t < m->tets; t++) {
-        for (k = 0; k < 4; k++) {
-            valence[m->corner.at[t][k]]++;
-        }
-    }
-    for (p = 0; p < m->points; p++) {
+    size_t p;
+    int i, count;
+    for (p = from; p < to; p++) {
         m->joint.at[p] = 0;
-        if (valence[p] > 0) {
+        if (k->valence.at[p] > 0) {
             count = pbwim__star_of(m, (pbw_index)p, star);
             for (i = 1; i < count && m->region.at[star[i]] == m->region.at[star[0]]; i++) {
             }
-            m->joint.at[p] = (size_t)count != valence[p];
-            if ((size_t)count != valence[p] || i < count) {
+            m->joint.at[p] = (pbw_index)count != k->valence.at[p];
+            if (m->joint.at[p] || i < count) {
                 m->mark.at[p] = PBW_TETS_FIXED;
             }
+            for (i = 0; i < count; i++) {            /* threads have set one of them */
+                m->star.at[p] = star[i] > m->star.at[p] ? star[i] : m->star.at[p];
+            }
+            if (m->joint.at[p]) {
+                PBW_ATOMIC_STORE(&k->joints, 1);
+            }
         }
     }
+    return PBW_OK;
 }
 
-/* The boundary's triangles, outward, and its edges, three for each. */
-static size_t pbwim__list_boundary(pbwim__mesh *m, pbw_index *triangles, pbwim__facet *edges)
+/* The star of a joint is that of its last tetrahedron. */
+static pbw_status pbwim__set_joint_stars(void *arg, size_t from, size_t to)
 {
-    size_t t, count = 0;
-    int i, k;
-    for (t = 0; t < m->tets; t++) {
-        for (i = 0; i < 4; i++) {
-            if (m->next.at[t][i] != PBW_NONE) {
-                continue;
+    const pbwim__mesh *m = ((const pbwim__linking *)arg)->m;
+    size_t i;
+    for (i = 4 * from; i < 4 * to; i++) {
+        const pbw_index p = m->corner.at[i / 4][i % 4];
+        if (m->joint.at[p]) {
+            pbw_index old = PBW_ATOMIC_LOAD(&m->star.at[p]);
+            while (old < i / 4 && !PBW_ATOMIC_CAS(&m->star.at[p], &old, (pbw_index)(i / 4))) {
             }
-            for (k = 0; k < 3; k++) {
-                const pbw_index *c = m->corner.at[t];
-                const pbw_index a = c[pbwim__opposite[i][k]], b = c[pbwim__opposite[i][(k + 1) % 3]];
-                triangles[3 * count + (size_t)(2 - k)] = a;
-                edges[3 * count + (size_t)k].v[0] = a < b ? a : b;
-                edges[3 * count + (size_t)k].v[1] = a < b ? b : a;
-                edges[3 * count + (size_t)k].t = (pbw_index)t;
-                edges[3 * count + (size_t)k].i = i;
-                if (m->mark.at[a] == PBW_TETS_FOUND) {
-                    m->mark.at[a] = PBW_TETS_SLIDES;
-                }
-            }
-            count++;
         }
     }
-    return count;
+    return PBW_OK;
+}
+
+static pbw_status pbwim__count_boundary(void *arg, size_t from, size_t to)
+{
+    const pbwim__mesh *m = (const pbwim__mesh *)arg;
+    size_t i, count = 0;
+    for (i = 4 * from; i < 4 * to; i++) {
+        count += *m->corner.at[i / 4] != PBW_NONE && m->next.at[i / 4][i % 4] == PBW_NONE;
+    }
+    m->tally.at[from / PBWIM__SLICE] = count;
+    return PBW_OK;
+}
+
+typedef struct pbwim__bounding {           /* a list of the boundary's facets */
+    pbwim__mesh *m;
+    pbw_index *triangles;                  /* outward, or NULL */
+    pbwim__facet *edges, *facets;          /* three for each triangle; or the facets */
+} pbwim__bounding;
+
+static pbw_status pbwim__list_boundary(void *arg, size_t from, size_t to)
+{
+    const pbwim__bounding *b = (const pbwim__bounding *)arg;
+    const pbwim__mesh *m = b->m;
+    size_t j, count = m->tally.at[from / PBWIM__SLICE];
+    int k;
+    for (j = 4 * from; j < 4 * to; j++) {
+        const pbw_index *c = m->corner.at[j / 4];
+        const int i = (int)(j % 4), *o = pbwim__opposite[i];
+        if (*c == PBW_NONE || m->next.at[j / 4][i] != PBW_NONE) {
+            continue;
+        }
+        for (k = 0; k < 3 && b->triangles != NULL; k++) {
+            pbwim__facet *edge = b->edges + 3 * count + k;
+            const pbw_index x = c[o[k]], y = c[o[(k + 1) % 3]];
+            b->triangles[3 * count + (size_t)(2 - k)] = x;
+            edge->v[0] = x < y ? x : y;
+            edge->v[1] = x < y ? y : x;
+            edge->t = (pbw_index)(j / 4);
+            edge->i = i;
+        }
+        if (b->triangles == NULL) {
+            b->facets[count] = pbwim__facet_of(m, (pbw_index)(j / 4), i);
+        }
+        count++;
+    }
+    return PBW_OK;
 }
 
 static void pbwim__to_surface(void *user, double point[3])
@@ -2384,23 +2730,41 @@ static pbw_status pbwim__load_edges(pbwim__mesh *m, const pbw_tets *in)
     return PBW_OK;
 }
 
-/* Marks the boundary's points and builds its surface; sorting: with room for all facets of tetrahedra. */
-static pbw_status pbwim__set_marks(pbwim__mesh *m, const pbw_tets *in, double cosine, pbwim__sorting *sorting)
+/* Marks the boundary's points and builds its surface. */
+static pbw_status pbwim__set_marks(pbwim__linking *k, const pbw_tets *in, double cosine, pbwim__sorting *sorting)
 {
+    pbwim__mesh *m = k->m;
+    pbwim__bounding b = { m, NULL, NULL, NULL };
     pbwim__facet *edges;
-    size_t facets = 0, i;
-    pbw_status status;
-    for (i = 0; i < 4 * m->tets; i++) {
-        facets += m->next.at[i / 4][i % 4] == PBW_NONE;
+    size_t facets, i;
+    pbw_status status = pbwim__for(m, m->tets, PBWIM__SLICE, pbwim__count_boundary, m);
+    if (status != PBW_OK) {
+        return status;
     }
+    facets = pbwim__sum_up(m->tally.at, pbwim__slices(m->tets));
     if (!PBW_FIT(&m->memory, m->facets, 3 * facets + 1)
-        || (3 * facets > 4 * m->tets && !pbwim__begin_sorting(&m->memory, sorting, 3 * facets, m->points))) {
+        || !pbwim__begin_sorting(&m->memory, sorting, 3 * facets, m->points)) {
         return PBW_ERROR_MEMORY;
     }
-    facets = pbwim__list_boundary(m, m->facets.at, sorting->items.at);
+    b.triangles = m->facets.at;
+    b.edges = sorting->items.at;
+    status = pbwim__for(m, m->tets, PBWIM__SLICE, pbwim__list_boundary, &b);
+    if (status != PBW_OK) {
+        return status;
+    }
+    for (i = 0; i < 3 * facets; i++) {
+        unsigned char *mark = m->mark.at + b.triangles[i];
+        *mark = *mark == PBW_TETS_FOUND ? PBW_TETS_SLIDES : *mark;
+    }
     edges = pbwim__sort(sorting, 3 * facets, 2);
     pbwim__fix_features(m, edges, 3 * facets, cosine, 0);
-    pbwim__fix_joints(m, sorting->first.at);
+    status = pbwim__for(m, m->points, PBWIM__SLICE, pbwim__fix_joints, k);
+    if (status == PBW_OK && k->joints) {
+        status = pbwim__for(m, m->tets, PBWIM__SLICE, pbwim__set_joint_stars, k);
+    }
+    if (status != PBW_OK) {
+        return status;
+    }
     for (i = 0; in->marks != NULL && i < m->points; i++) {
         const unsigned char mark = in->marks[i];
         if (mark == PBW_TETS_FIXED || mark == PBW_TETS_FROZEN
@@ -2424,63 +2788,108 @@ static pbw_status pbwim__set_marks(pbwim__mesh *m, const pbw_tets *in, double co
     return status;
 }
 
-/* Neighbours, by sorting facets; then marks. */
+/* Neighbours; then marks. */
 static pbw_status pbwim__connect(pbwim__mesh *m, const pbw_tets *in, double cosine)
 {
     pbwim__sorting sorting;
-    pbw_status status = PBW_ERROR_MEMORY;
-    const size_t count = 4 * m->tets;
-    size_t i;
-    int k;
+    pbwim__linking k;
+    pbw_status status;
     memset(&sorting, 0, sizeof sorting);
-    if (pbwim__begin_sorting(&m->memory, &sorting, count, m->points)) {
-        for (i = 0; i < count; i++) {
-            sorting.items.at[i] = pbwim__facet_of(m, (pbw_index)(i / 4), (int)(i % 4));
-        }
-        for (k = 3, status = PBW_OK; k > 0 && status == PBW_OK;) {
-            pbwim__sort_by(&sorting, count, --k);
-            status = pbwim__progress(m, 0) ? PBW_CANCELLED : PBW_OK;
-        }
-        status = status != PBW_OK ? status : pbwim__link(m, sorting.items.at, count);
-        status = status != PBW_OK ? status : pbwim__progress(m, 0) ? PBW_CANCELLED : pbwim__check_orientation(m);
-        status = status != PBW_OK ? status : pbwim__progress(m, 0) ? PBW_CANCELLED : PBW_OK;
-        status = status != PBW_OK ? status : pbwim__set_marks(m, in, cosine, &sorting);
+    memset(&k, 0, sizeof k);
+    k.m = m;
+    k.flaw = (size_t)-1;
+    status = pbwim__link(&k);
+    if (status == PBW_OK && k.mixed) {
+        status = pbwim__progress(m, 0) ? PBW_CANCELLED : pbwim__check_orientation(m);
     }
+    PBW_RELEASE(&m->memory, k.sides);
+    PBW_RELEASE(&m->memory, k.last);
+    PBW_RELEASE(&m->memory, k.counts);
+    status = status != PBW_OK ? status : pbwim__set_marks(&k, in, cosine, &sorting);
+    PBW_RELEASE(&m->memory, k.valence);
     pbwim__end_sorting(&m->memory, &sorting);
     return status;
 }
 
-/* One tetrahedron of the input, made positive. */
-static int pbwim__load_one(pbwim__mesh *m, const pbw_tets *in, size_t t)
+typedef struct pbwim__loading {
+    pbwim__mesh *m;
+    const pbw_tets *in;
+    size_t turned, flaw;                   /* tetrahedra; the first that is wrong, else -1 */
+} pbwim__loading;
+
+/* Returns the first corner of a tetrahedron of the input that is out of range or twice there, or 4. */
+static int pbwim__wrong_corner(const pbw_tets *in, size_t t)
 {
-    pbw_index *c = m->corner.at[t];
-    int sign, i;
-    memcpy(c, in->corners + 4 * t, 4 * sizeof *c);
-    if (m->patched) {
-        memcpy(m->patch.at[t], in->patches + 4 * t, 4 * sizeof *c);
+    const pbw_index *c = in->corners + 4 * t;
+    int i;
+    for (i = 0; i < 4 && c[i] < in->point_count && c[i] != c[(i + 1) % 4] && c[i] != c[(i + 2) % 4]; i++) {
     }
-    for (i = 0; i < 4; i++) {
-        if (c[i] >= in->point_count || c[i] == c[(i + 1) % 4] || c[i] == c[(i + 2) % 4]) {
-            pbwim__set_message(m, "tetrahedron %zu has a corner %zu that is out of range or twice there", t, c[i]);
-            return 0;
+    return i;
+}
+
+static pbw_status pbwim__load_points(void *arg, size_t from, size_t to)
+{
+    const pbwim__loading *load = (const pbwim__loading *)arg;
+    pbwim__mesh *m = load->m;
+    size_t i;
+    int k;
+    for (i = from; i < to; i++) {
+        for (k = 0; k < 3; k++) {
+            m->x.at[i][k] = load->in->points[3 * i + (size_t)k];
+            if (!(fabs(m->x.at[i][k]) <= 1e300)) {
+                return PBW_ERROR_NOT_FINITE;
+            }
         }
-        m->star.at[c[i]] = (pbw_index)t;
-        m->next.at[t][i] = PBW_NONE;
+        m->star.at[i] = PBW_NONE;
+        m->touched.at[i] = 1;
+        m->failed.at[i] = 0;
+        m->mark.at[i] = PBW_TETS_FOUND;
+        m->original.at[i] = (pbw_index)i;
     }
-    sign = pbwim__sign_of(m, c);
-    if (sign < 0) {
-        pbwim__invert(m, (pbw_index)t);
-        m->report->turned++;
+    return PBW_OK;
+}
+
+/* Tetrahedra of the input, made positive. */
+static pbw_status pbwim__load_tets(void *arg, size_t from, size_t to)
+{
+    pbwim__loading *load = (pbwim__loading *)arg;
+    const pbw_tets *in = load->in;
+    pbwim__mesh *m = load->m;
+    size_t t, turned = 0;
+    int i, sign;
+    for (t = from; t < to; t++) {
+        pbw_index *c = m->corner.at[t];
+        if (pbwim__wrong_corner(in, t) < 4) {
+            size_t flaw = PBW_ATOMIC_LOAD(&load->flaw);
+            while (t < flaw && !PBW_ATOMIC_CAS(&load->flaw, &flaw, t)) {
+            }
+            return PBW_ERROR_ARGUMENT;
+        }
+        memcpy(c, in->corners + 4 * t, 4 * sizeof *c);
+        if (m->patched) {
+            memcpy(m->patch.at[t], in->patches + 4 * t, 4 * sizeof *c);
+        }
+        for (i = 0; i < 4; i++) {
+            PBW_ATOMIC_STORE(&m->star.at[c[i]], (pbw_index)t);
+            m->next.at[t][i] = PBW_NONE;
+        }
+        sign = pbwim__sign_of(m, c);
+        if (sign < 0) {
+            pbwim__invert(m, (pbw_index)t);
+            turned++;
+        }
+        m->quality.at[t] = sign == 0 ? 0 : fmax(pbwim__sine_of(m, c), 1e-300);
+        m->region.at[t] = in->regions != NULL ? in->regions[t] : 0;
+        m->tried.at[t][0] = m->tried.at[t][1] = m->seen.at[t] = 0;
     }
-    m->quality.at[t] = sign == 0 ? 0 : fmax(pbwim__sine_of(m, c), 1e-300);
-    m->region.at[t] = in->regions != NULL ? in->regions[t] : 0;
-    m->tried.at[t][0] = m->tried.at[t][1] = m->seen.at[t] = 0;
-    return 1;
+    (void)PBW_ATOMIC_ADD(&load->turned, turned);
+    return PBW_OK;
 }
 
 static pbw_status pbwim__load(pbwim__mesh *m, const pbw_tets *in)
 {
-    size_t i;
+    pbwim__loading load = { m, in, 0, (size_t)-1 };
+    pbw_status status;
     if (in->tet_count >= PBW_NONE / 4 || in->point_count >= PBW_NONE) {
         return PBW_ERROR_TOO_LARGE;
     }
@@ -2493,28 +2902,14 @@ static pbw_status pbwim__load(pbwim__mesh *m, const pbw_tets *in)
     m->tets = in->tet_count;
     m->free = PBW_NONE;
     m->clock = 1;
-    for (i = 0; i < 3 * m->points; i++) {
-        if (!(fabs(in->points[i]) <= 1e300)) {
-            return PBW_ERROR_NOT_FINITE;
-        }
-        m->x.at[i / 3][i % 3] = in->points[i];
+    status = pbwim__for(m, m->points, PBWIM__SLICE, pbwim__load_points, &load);
+    status = status != PBW_OK ? status : pbwim__for(m, m->tets, PBWIM__SLICE, pbwim__load_tets, &load);
+    m->report->turned = load.turned;
+    if (status == PBW_ERROR_ARGUMENT) {
+        pbwim__set_message(m, "tetrahedron %zu has a corner %zu that is out of range or twice there", load.flaw,
+                           in->corners[4 * load.flaw + (size_t)pbwim__wrong_corner(in, load.flaw)]);
     }
-    for (i = 0; i < m->points; i++) {
-        m->star.at[i] = PBW_NONE;
-        m->touched.at[i] = 1;
-        m->failed.at[i] = 0;
-        m->mark.at[i] = PBW_TETS_FOUND;
-        m->original.at[i] = (pbw_index)i;
-    }
-    for (i = 0; i < m->tets; i++) {
-        if (!pbwim__load_one(m, in, i)) {
-            return PBW_ERROR_ARGUMENT;
-        }
-        if (i % 65536 == 65535 && pbwim__progress(m, 0)) {
-            return PBW_CANCELLED;
-        }
-    }
-    return PBW_OK;
+    return status;
 }
 
 /* ------------------------------------------------------------------------------------------------------
@@ -2838,28 +3233,40 @@ static pbw_status pbwim__smooth_all(pbwim__mesh *m, const pbw_improve_options *h
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   >>passes       Tetrahedra below the target, worst first, in batches on all threads.
+   >>passes       Tetrahedra below the target, in blocks on all threads, in each the worst first.
    In: a mesh.  Out: the mesh, better.
 
    1. The queue of a pass has all tetrahedra below the target, but for those on which all operations failed and no
       corner has changed since.  Contraction and insertion are used in each fourth pass, and after a pass that changed
       little.
-   2. The queue is processed in batches.  The zone of a tetrahedron is all that improving it reads: the tetrahedra at
-      its corners, and for boundary edges those at one end of the ring.  Zones of one batch have no point in common.
-   3. Each tetrahedron of a batch is a task for any thread: a copy of pbwim__mesh with free slots, a free point and
-      counters of its own.
-   4. When all tasks of a batch are done, they are merged in order.
-   No task reads what another one changes.  A tetrahedron across a facet of a zone has three corners in it: of this
-   tetrahedron, only the link through that facet changes, and no other zone has these three corners.  Batches, tasks
-   and slots depend on the mesh only, so the answer does not depend on threads.
+   2. Points have places along two Hilbert curves: one through the points, one through the points turned.  A new
+      point has the places of a point near it.  A block is the points with places in a range along one curve.
+   3. The zone of a tetrahedron is all that improving it reads: the tetrahedra at its corners, and for boundary edges
+      those at one end of the ring.  A pass has rounds.  In a round each block is a task for any thread: it takes the
+      tetrahedra of the queue that are in its block with all points of their zones, worst first.  The others wait for
+      the next round, which has other and larger blocks; the last one has all points in one block.
+   4. A task is a copy of pbwim__mesh with free slots, free points and counters of its own.  Where these run out, its
+      tetrahedra wait, too.  When all tasks of a round have ended, they are merged in order.
+   No task reads what another one changes.  A tetrahedron that a task changes has all corners in the task's block, and
+   a task reads only tetrahedra with a corner in its block, and of these only links through facets that have one.  A
+   tetrahedron across a facet of a zone has three corners in it: of this tetrahedron, only the link through that facet
+   changes, and no other block has these three corners.  Blocks, tasks and slots depend on the mesh only, so the
+   answer does not depend on threads.
    ------------------------------------------------------------------------------------------------------ */
-enum { PBWIM__TASKS = 256, PBWIM__WINDOW = 512 };      /* of a batch; of the queue, looked at for a batch */
+enum {
+    PBWIM__BLOCKS = 256,                   /* at most */
+    PBWIM__BLOCK_POINTS = 1024,            /* at least: in smaller blocks most zones have points of others */
+    PBWIM__BLOCK_ITEMS = 16                /* of the queue, a block, at least */
+};
 
 typedef struct pbwim__task {
-    pbwim__mesh m;
+    pbwim__mesh m;                         /* free points: m.points .. point_end - 1 */
     pbw_improve_report report;
-    pbw_index t, point;                    /* the tetrahedron to improve; a free point, PBW_NONE once it is used */
-    int all, changed;
+    size_t point_end;
+    pbwim__item *item;                     /* the tetrahedra to improve; in the end, those that wait */
+    size_t count, changes;
+    int all, curve;                        /* of places: curve -1 = one block of all points */
+    pbw_index first, last;                 /* the block's places: first .. last - 1 */
 } pbwim__task;
 
 static int pbwim__compare_items(const void *a, const void *b)
@@ -2915,173 +3322,247 @@ static int pbwim__is_active(const pbwim__mesh *m, pbw_index t)
     return 0;
 }
 
-/* Flags the corners of bad tetrahedra and of their neighbours as active.  Returns 0 if there is no memory. */
-static int pbwim__flag_active(pbwim__mesh *m)
+typedef struct pbwim__marking {
+    const pbwim__mesh *m;
+    unsigned char ring;
+} pbwim__marking;
+
+/* Flags corners: of bad tetrahedra as 1; then of those that have such a corner, others as 2. */
+static pbw_status pbwim__flag_corners(void *arg, size_t from, size_t to)
 {
-    unsigned char *active;
+    const pbwim__mesh *m = ((const pbwim__marking *)arg)->m;
+    const unsigned char ring = ((const pbwim__marking *)arg)->ring;
+    unsigned char *active = m->active.at;
     size_t t;
-    int k, ring;
-    if (!PBW_FIT(&m->memory, m->active, m->points)) {
-        return 0;
-    }
-    active = m->active.at;
-    memset(active, 0, m->points);
-    for (ring = 1; ring <= 2; ring++) {
-        for (t = 0; t < m->tets; t++) {
-            const pbw_index *c = m->corner.at[t];
-            const int inside = ring == 1 ? pbwim__is_bad(m, (pbw_index)t) : *c != PBW_NONE
-                && (active[c[0]] == 1 || active[c[1]] == 1 || active[c[2]] == 1 || active[c[3]] == 1);
-            if (inside) {
-                for (k = 0; k < 4; k++) {
-                    active[c[k]] = active[c[k]] == 0 ? (unsigned char)ring : active[c[k]];
-                }
+    int k, inside;
+    for (t = from; t < to; t++) {
+        const pbw_index *c = m->corner.at[t];
+        inside = ring == 1 && pbwim__is_bad(m, (pbw_index)t);
+        for (k = 0; k < 4 && ring == 2 && *c != PBW_NONE; k++) {
+            inside |= PBW_ATOMIC_LOAD(&active[c[k]]) == 1;
+        }
+        for (k = 0; k < 4 && inside; k++) {
+            if (PBW_ATOMIC_LOAD(&active[c[k]]) == 0) {
+                PBW_ATOMIC_STORE(&active[c[k]], ring);
             }
         }
     }
-    m->active.count = m->points;
-    return 1;
+    return PBW_OK;
 }
 
-/* Fills the queue.  Returns 0 if there is no memory. */
-static int pbwim__fill_queue(pbwim__mesh *m, int all)
+/* Flags the corners of bad tetrahedra and of their neighbours as active. */
+static pbw_status pbwim__flag_active(pbwim__mesh *m)
 {
-    pbwim__item *item;
-    size_t t, count = 0;
-    for (t = 0; t < m->tets; t++) {
-        count += pbwim__is_bad(m, (pbw_index)t) && pbwim__is_due(m, (pbw_index)t, all)
-              && pbwim__is_active(m, (pbw_index)t);
+    pbwim__marking marking = { m, 1 };
+    pbw_status status;
+    if (!PBW_FIT(&m->memory, m->active, m->points)) {
+        return PBW_ERROR_MEMORY;
     }
-    m->queue.count = 0;
-    if (!PBW_RESERVE(&m->memory, m->queue, count + 1)) {
-        return 0;
-    }
-    item = m->queue.at;
-    for (t = 0; t < m->tets; t++) {
-        if (pbwim__is_bad(m, (pbw_index)t) && pbwim__is_due(m, (pbw_index)t, all)
+    memset(m->active.at, 0, m->points);
+    status = pbwim__for(m, m->tets, PBWIM__SLICE, pbwim__flag_corners, &marking);
+    marking.ring = 2;
+    status = status != PBW_OK ? status : pbwim__for(m, m->tets, PBWIM__SLICE, pbwim__flag_corners, &marking);
+    m->active.count = m->points;
+    return status;
+}
+
+/* ---- the queue ---- */
+
+typedef struct pbwim__survey {             /* of all tetrahedra: how many are bad and due, and what lacks */
+    const pbwim__mesh *m;
+    pbwim__item *item;                     /* NULL: they are counted */
+    int all;
+} pbwim__survey;
+
+static pbw_status pbwim__survey_slice(void *arg, size_t from, size_t to)
+{
+    const pbwim__survey *s = (const pbwim__survey *)arg;
+    const pbwim__mesh *m = s->m;
+    size_t t, count = s->item != NULL ? m->tally.at[from / PBWIM__SLICE] : 0;
+    for (t = from; t < to; t++) {
+        if (pbwim__is_bad(m, (pbw_index)t) && pbwim__is_due(m, (pbw_index)t, s->all)
             && pbwim__is_active(m, (pbw_index)t)) {
-            item[m->queue.count].quality = m->quality.at[t];
-            item[m->queue.count++].t = (pbw_index)t;
+            if (s->item != NULL) {
+                s->item[count].quality = m->quality.at[t];
+                s->item[count].t = (pbw_index)t;
+            }
+            count++;
         }
     }
-    qsort(item, m->queue.count, sizeof *item, pbwim__compare_items);
-    return 1;
+    m->tally.at[from / PBWIM__SLICE] = s->item != NULL ? m->tally.at[from / PBWIM__SLICE] : count;
+    return PBW_OK;
 }
 
-/* Fills `zone`.  Returns its number of tetrahedra, 0 if not all can be found. */
-static int pbwim__zone_of(pbwim__mesh *m, pbw_index t, pbw_index zone[10 * PBWIM__MOST])
+static pbw_status pbwim__fill_queue(pbwim__mesh *m, int all)
 {
+    pbwim__survey survey = { m, NULL, all };
+    pbw_status status = pbwim__for(m, m->tets, PBWIM__SLICE, pbwim__survey_slice, &survey);
+    m->queue.count = 0;
+    if (status == PBW_OK) {
+        const size_t count = pbwim__sum_up(m->tally.at, pbwim__slices(m->tets));
+        if (!PBW_RESERVE(&m->memory, m->queue, count + 1)) {
+            return PBW_ERROR_MEMORY;
+        }
+        survey.item = m->queue.at;
+        status = count == 0 ? PBW_OK : pbwim__for(m, m->tets, PBWIM__SLICE, pbwim__survey_slice, &survey);
+        m->queue.count = count;
+    }
+    return status;
+}
+
+/* ---- places ---- */
+
+typedef struct pbwim__placing {
+    pbwim__mesh *m;
+    pbwsf__vectors turned;
+    pbwsf__indices order;
+    int curve;
+} pbwim__placing;
+
+/* Turns points: the planes that the first curve seldom crosses are others than those of the second. */
+static pbw_status pbwim__turn_points(void *arg, size_t from, size_t to)
+{
+    const pbwim__placing *w = (const pbwim__placing *)arg;
+    size_t p;
+    for (p = from; p < to; p++) {
+        const double *x = w->m->x.at[p];
+        double *y = w->turned.at[p];
+        y[0] = 0.64 * x[0] + 0.48 * x[1] + 0.6 * x[2];
+        y[1] = 0.8 * x[1] - 0.6 * x[0];
+        y[2] = 0.8 * x[2] - 0.48 * x[0] - 0.36 * x[1];
+    }
+    return PBW_OK;
+}
+
+static pbw_status pbwim__set_places(void *arg, size_t from, size_t to)
+{
+    const pbwim__placing *w = (const pbwim__placing *)arg;
+    for (; from < to; from++) {
+        w->m->place.at[w->order.at[from]][w->curve] = (pbw_index)from;
+    }
+    return PBW_OK;
+}
+
+/* Gives all points their places along both curves. */
+static pbw_status pbwim__place_points(pbwim__mesh *m)
+{
+    pbwim__placing w;
+    pbw_status status = PBW_ERROR_MEMORY;
+    memset(&w, 0, sizeof w);
+    w.m = m;
+    if (PBW_FIT(&m->memory, m->place, m->mark.capacity) && PBW_FIT(&m->memory, w.turned, m->points)
+        && PBW_FIT(&m->memory, w.order, m->points)) {
+        status = pbwim__for(m, m->points, PBWIM__SLICE, pbwim__turn_points, &w);
+    }
+    for (w.curve = 0; w.curve < 2 && status == PBW_OK; w.curve++) {
+        pbw_options inner = pbwim__inner_options(m->options, &m->memory);
+        const double *x = w.curve == 0 ? m->x.at[0] : w.turned.at[0];
+        inner.stride = 0;
+        status = pbw_order(3, x, m->points, &inner, w.order.at);
+        status = status != PBW_OK ? status : pbwim__for(m, m->points, PBWIM__SLICE, pbwim__set_places, &w);
+    }
+    m->placed = status == PBW_OK ? m->points : 0;
+    PBW_RELEASE(&m->memory, w.turned);
+    PBW_RELEASE(&m->memory, w.order);
+    return status;
+}
+
+/* Returns whether a point is in the block of the task. */
+PBW_INLINE int pbwim__has_point(const pbwim__task *task, pbw_index p)
+{
+    return task->curve < 0 || task->m.place.at[p][task->curve] - task->first < task->last - task->first;
+}
+
+/* Returns whether the corners of t are. */
+static int pbwim__has_corners(const pbwim__task *task, pbw_index t)
+{
+    const pbw_index *c = task->m.corner.at[t];
+    return pbwim__has_point(task, c[0]) && pbwim__has_point(task, c[1]) && pbwim__has_point(task, c[2])
+        && pbwim__has_point(task, c[3]);
+}
+
+/* Returns whether all points of the zone of t are, which has its corners there. */
+static int pbwim__has_zone(const pbwim__task *task, pbw_index t)
+{
+    const pbwim__mesh *m = &task->m;
     const pbw_index *c = m->corner.at[t];
     const unsigned char *mark = m->mark.at;
-    pbwim__ring ring;
-    int count = 0, more, k;
-    for (k = 0; k < 4; k++) {
-        more = pbwim__star_of(m, c[k], zone + count);
-        if (more == 0 || m->seen.at[t] != m->visit) {
-            return 0;
-        }
-        count += more;
+    pbw_index zone[PBWIM__ZONE], core[10];
+    int cores = 4, count, i, k;
+    if (task->curve < 0) {
+        return 1;
     }
+    memcpy(core, c, 4 * sizeof *core);
     for (k = 0; k < 6; k++) {
+        pbwim__ring ring;
         ring.a = c[pbwim__edge[k][0]];
         ring.b = c[pbwim__edge[k][1]];
         if (mark[ring.a] != PBW_TETS_FOUND && mark[ring.b] != PBW_TETS_FOUND && pbwim__walk_ring(m, t, &ring)
             && !ring.closed) {
-            more = pbwim__star_of(m, ring.corner[0], zone + count);
-            if (more == 0) {
-                return 0;
+            core[cores++] = ring.corner[0];
+            if (!pbwim__has_point(task, ring.corner[0])) {
+                return 0;                            /* other threads may change its star */
             }
-            count += more;
         }
     }
-    return count;
+    count = pbwim__around(m, t, core, cores, zone, PBWIM__ZONE);
+    for (i = 0; i < count && pbwim__has_corners(task, zone[i]); i++) {
+    }
+    return count > 0 && i == count;
 }
 
-/* Returns whether t joins a batch of `others` tetrahedra.  One without a zone is a batch of its own. */
-static int pbwim__join_batch(pbwim__mesh *m, pbw_index t, size_t others)
+/* ---- tasks ---- */
+
+/* Returns how many free slots a task begins with: it waits for more where tetrahedra get many. */
+static size_t pbwim__task_slots(const pbwim__task *task)
 {
-    pbw_index zone[10 * PBWIM__MOST], *taken = m->taken.at;
-    const pbw_index *c = m->corner.at[t];
-    int count, i;
-    for (i = 0; i < 4; i++) {
-        if (taken[c[i]] == m->batch) {
-            return 0;
-        }
-    }
-    count = pbwim__zone_of(m, t, zone);
-    for (i = 0; i < 4 * count; i++) {
-        if (taken[m->corner.at[zone[i / 4]][i % 4]] == m->batch) {
-            return 0;
-        }
-    }
-    for (i = 0; i < 4 * count; i++) {
-        taken[m->corner.at[zone[i / 4]][i % 4]] = m->batch;
-    }
-    return count > 0 || others == 0;
+    return 2 * PBWIM__SPARE + (task->all ? task->count : task->count / 4);
 }
 
-/* Chooses a batch from the queue's items first, first + 1, ....  Returns how many tetrahedra it has.  Those that must
-   wait stay in order; *first becomes the first of them. */
-static size_t pbwim__choose_batch(pbwim__mesh *m, int all, size_t *first)
+/* Returns how many points a task needs that it does not have. */
+static size_t pbwim__task_points(const pbwim__task *task)
 {
-    pbwim__item *item = m->queue.at + *first;
-    pbwim__task *task = m->tasks.at;
-    size_t left = m->queue.count - *first, count = 0, waiting = 0, i;
-    int closed = 0;
-    if (left > PBWIM__WINDOW) {
-        left = PBWIM__WINDOW;
-    }
-    m->batch++;
-    for (i = 0; i < left && count < PBWIM__TASKS && !closed; i++) {
-        const pbw_index t = item[i].t;
-        if (!pbwim__is_bad(m, t) || !pbwim__is_due(m, t, all)) {
-            continue;
-        }
-        if (pbwim__join_batch(m, t, count)) {
-            closed = m->taken.at[*m->corner.at[t]] != m->batch;
-            task[count].t = t;
-            task[count++].all = all;
-        } else {
-            item[waiting++] = item[i];
-        }
-    }
-    memmove(item + i - waiting, item, waiting * sizeof *item);
-    *first += i - waiting;
-    return count;
+    const size_t wanted = task->all ? task->count / 2 + 1 : 0;
+    return task->point_end - task->m.points < (wanted + 3) / 4 ? wanted : 0;
 }
 
-/* Makes a task ready for its tetrahedron: a copy of the mesh, with a free point and free slots of its own. */
+/* Makes a task ready for its tetrahedra: a copy of the mesh, with free points and free slots of its own. */
 static void pbwim__begin_task(pbwim__mesh *m, pbwim__task *task)
 {
     const pbw_index free = task->m.free;
-    const size_t spare = task->m.spare;
-    if (task->point == PBW_NONE) {
-        task->point = (pbw_index)m->points++;
-        m->star.at[task->point] = m->original.at[task->point] = PBW_NONE;
-        m->touched.at[task->point] = m->failed.at[task->point] = 0;
-        m->mark.at[task->point] = PBW_TETS_FOUND;
+    const size_t slots = pbwim__task_slots(task), points = pbwim__task_points(task), spare = task->m.spare;
+    size_t point = task->m.points, p;
+    if (points > 0) {
+        point = m->points;
+        task->point_end = m->points += points;
+        for (p = point; p < task->point_end; p++) {
+            m->star.at[p] = m->original.at[p] = PBW_NONE;
+            m->touched.at[p] = m->failed.at[p] = 0;
+            m->mark.at[p] = PBW_TETS_FOUND;
+        }
     }
     task->m = *m;
     task->m.free = free;
     task->m.spare = spare;
-    task->m.points = task->point;
+    task->m.points = point;
     task->m.report = &task->report;
+    task->changes = 0;
     memset(&task->report, 0, sizeof task->report);
-    while (task->m.spare < PBWIM__SPARE) {
+    while (task->m.spare < slots) {
         pbwim__free_slot(&task->m, pbwim__new_slot(m));
     }
-    while (task->m.spare > 2 * PBWIM__SPARE) {
+    while (task->m.spare > 2 * slots) {
         pbwim__free_slot(m, pbwim__new_slot(&task->m));
     }
 }
 
 /* Merges the changes of a task into the mesh. */
-static void pbwim__end_task(pbwim__mesh *m, pbwim__task *task)
+static void pbwim__end_task(pbwim__mesh *m, const pbwim__task *task)
 {
     pbw_improve_report *sum = m->report;
     const pbw_improve_report *r = &task->report;
     m->clock = task->m.clock > m->clock ? task->m.clock : m->clock;
     m->visit = task->m.visit > m->visit ? task->m.visit : m->visit;
-    task->point = task->m.points == task->point ? task->point : PBW_NONE;
     sum->removals += r->removals;
     sum->boundary_removals += r->boundary_removals;
     sum->smoothings += r->smoothings;
@@ -3092,78 +3573,154 @@ static void pbwim__end_task(pbwim__mesh *m, pbwim__task *task)
     sum->insertions += r->insertions;
 }
 
-static pbw_status pbwim__improve_range(void *arg, size_t from, size_t to)
+/* Improves the tetrahedra of blocks; those that must wait come first in the task's list, in order. */
+static pbw_status pbwim__improve_blocks(void *arg, size_t from, size_t to)
 {
-    pbwim__task *task = ((pbwim__mesh *)arg)->tasks.at;
     for (; from < to; from++) {
-        task[from].changed = pbwim__improve_tet(&task[from].m, task[from].t, task[from].all);
+        pbwim__task *task = ((pbwim__mesh *)arg)->tasks.at + from;
+        pbwim__mesh *m = &task->m;
+        size_t waiting = 0, i;
+        qsort(task->item, task->count, sizeof *task->item, pbwim__compare_items);
+        for (i = 0; i < task->count; i++) {
+            const pbw_index t = task->item[i].t;
+            int has;
+            if (!pbwim__is_bad(m, t)) {
+                continue;
+            }
+            has = pbwim__has_corners(task, t);       /* else other threads may touch some of them */
+            if (has && !pbwim__is_due(m, t, task->all)) {
+                continue;
+            }
+            if (has && m->spare >= PBWIM__SPARE && !(task->all && m->points == task->point_end) && !pbwim__is_late(m)
+                && pbwim__has_zone(task, t)) {
+                task->changes += (size_t)pbwim__improve_tet(m, t, task->all);
+            } else {
+                task->item[waiting++] = task->item[i];
+            }
+        }
+        task->count = waiting;
     }
     return PBW_OK;
 }
 
-/* Room for the next batch, and tasks.  Returns 0 if there is no memory. */
-static int pbwim__prepare(pbwim__mesh *m, size_t left)
+/* ---- rounds of blocks ---- */
+
+typedef struct pbwim__blocks {             /* along a curve; -1: one block */
+    int curve;
+    size_t count;
+    pbw_index width, shift;                /* block i: places from i width - shift to (i + 1) width - shift */
+} pbwim__blocks;
+
+/* Returns the blocks of the pass's round i. */
+static pbwim__blocks pbwim__blocks_of(const pbwim__mesh *m, int i)
 {
-    size_t count = left;
-    if (count > PBWIM__TASKS) {
-        count = PBWIM__TASKS;
+    const size_t points = m->placed > 0 ? m->placed : m->points;
+    const size_t by_points = points / PBWIM__BLOCK_POINTS, by_items = m->queue.count / PBWIM__BLOCK_ITEMS;
+    const size_t most = (by_points < PBWIM__BLOCKS ? by_points : (size_t)PBWIM__BLOCKS) >> (i / 2 < 9 ? i / 2 : 9);
+    pbwim__blocks blocks = { -1, 1, 0, 0 };
+    const size_t count = most < by_items ? most : by_items;
+    if (count > 1) {
+        blocks.curve = i % 2;
+        blocks.width = (pbw_index)(points / count + 1);
+        blocks.shift = i / 2 % 2 == 1 ? blocks.width / 2 : 0;
+        blocks.count = (points - 1 + blocks.shift) / blocks.width + 1;
     }
-    if (!pbwim__reserve(m, count)) {
+    return blocks;
+}
+
+/* Sorts the queue into the lists of the blocks' tasks.  Returns 0 if there is no memory. */
+static int pbwim__deal(pbwim__mesh *m, const pbwim__blocks *blocks, int all)
+{
+    pbwim__item *item = m->queue.at;
+    pbwim__task *task;
+    size_t i, left = 0, at = 0;
+    if (!PBW_RESERVE(&m->memory, m->sorted, m->queue.count + 1)
+        || (m->tasks.count < blocks->count && !PBW_RESERVE(&m->memory, m->tasks, blocks->count - m->tasks.count))) {
         return 0;
     }
-    if (m->taken.capacity < m->mark.capacity || m->batch == PBW_NONE) {
-        if (!PBW_FIT(&m->memory, m->taken, m->mark.capacity)) {
-            return 0;
+    for (; m->tasks.count < blocks->count; m->tasks.count++) {
+        memset(m->tasks.at + m->tasks.count, 0, sizeof *m->tasks.at);
+        m->tasks.at[m->tasks.count].m.free = PBW_NONE;
+    }
+    task = m->tasks.at;
+    for (i = 0; i < blocks->count; i++) {
+        task[i].all = all;
+        task[i].count = 0;
+        task[i].curve = blocks->curve;
+        task[i].first = (pbw_index)i * blocks->width - (i > 0 ? blocks->shift : 0);
+        task[i].last = (pbw_index)(i + 1) * blocks->width - blocks->shift;
+    }
+    for (i = 0; i < m->queue.count; i++) {
+        const pbw_index p = *m->corner.at[item[i].t];
+        if (p != PBW_NONE) {
+            item[left] = item[i];
+            item[left].block = blocks->curve < 0
+                             ? 0 : (m->place.at[p][blocks->curve] + blocks->shift) / blocks->width;
+            task[item[left++].block].count++;
         }
-        memset(m->taken.at, 0, m->taken.capacity * sizeof *m->taken.at);
-        m->batch = 0;
+    }
+    for (i = 0; i < blocks->count; i++) {
+        task[i].item = m->sorted.at + at;
+        at += task[i].count;
+        task[i].count = 0;
+    }
+    for (i = 0; i < left; i++) {
+        pbwim__task *of = task + item[i].block;
+        of->item[of->count++] = item[i];
+    }
+    return 1;
+}
+
+/* One round: all blocks at once.  What must wait is the queue after it. */
+static pbw_status pbwim__round(pbwim__mesh *m, const pbwim__blocks *blocks, size_t *changes)
+{
+    size_t slots = 0, points = 0, i;
+    pbwim__task *task = m->tasks.at;
+    pbw_status status;
+    for (i = 0; i < blocks->count; i++) {
+        slots += pbwim__task_slots(task + i);
+        points += pbwim__task_points(task + i);
+    }
+    if (!pbwim__reserve(m, slots, points)) {
+        return PBW_ERROR_MEMORY;
     }
     if (m->visit > PBW_NONE / 2) {                   /* so that it overflows in no task */
         memset(m->seen.at, 0, m->seen.capacity * sizeof *m->seen.at);
         m->visit = 0;
     }
-    if (m->tasks.count < count && !PBW_RESERVE(&m->memory, m->tasks, count - m->tasks.count)) {
-        return 0;
+    for (i = 0; i < blocks->count; i++) {
+        pbwim__begin_task(m, task + i);
     }
-    for (; m->tasks.count < count; m->tasks.count++) {
-        pbwim__task *task = m->tasks.at + m->tasks.count;
-        task->point = task->m.free = PBW_NONE;
-        task->m.spare = 0;
+    status = pbwim__for(m, blocks->count, 1, pbwim__improve_blocks, m);
+    m->queue.count = 0;
+    for (i = 0; i < blocks->count && status == PBW_OK; i++) {
+        memcpy(m->queue.at + m->queue.count, task[i].item, task[i].count * sizeof *task[i].item);
+        m->queue.count += task[i].count;
+        pbwim__end_task(m, task + i);
+        *changes += task[i].changes;
     }
-    return 1;
+    return status;
 }
 
 /* One pass; *changes: how many operations succeeded.  It ends early when the budget is spent. */
 static pbw_status pbwim__pass(pbwim__mesh *m, int all, const double done[2], size_t *changes)
 {
-    pbw_status status = PBW_OK;
-    size_t first = 0, count, i;
+    pbw_status status;
+    int i;
     *changes = 0;
-    if (!pbwim__fill_queue(m, all)) {
-        return PBW_ERROR_MEMORY;
-    }
-    while (first < m->queue.count && status == PBW_OK) {
-        pbw_options inner;
-        if (pbwim__progress(m, done[0] + (done[1] - done[0]) * (double)first / (double)m->queue.count)) {
-            return PBW_CANCELLED;
+    m->done[0] = m->done[1] = done[0];
+    status = pbwim__fill_queue(m, all);
+    for (i = 0; status == PBW_OK && m->queue.count > 0 && !pbwim__is_late(m); i++) {
+        pbwim__blocks blocks = pbwim__blocks_of(m, i);
+        if (blocks.curve >= 0 && m->placed == 0) {
+            status = pbwim__place_points(m);
+            blocks = pbwim__blocks_of(m, i);
         }
-        if (pbwim__is_late(m)) {
-            return PBW_OK;
+        m->done[1] = blocks.curve < 0 ? done[1] : 0.5 * (m->done[0] + done[1]);
+        if (status == PBW_OK) {
+            status = pbwim__deal(m, &blocks, all) ? pbwim__round(m, &blocks, changes) : PBW_ERROR_MEMORY;
         }
-        if (!pbwim__prepare(m, m->queue.count - first)) {
-            return PBW_ERROR_MEMORY;
-        }
-        count = pbwim__choose_batch(m, all, &first);
-        for (i = 0; i < count; i++) {
-            pbwim__begin_task(m, m->tasks.at + i);
-        }
-        inner = pbwim__inner_options(m->options, &m->memory);
-        status = pbw_for(&inner, count, 1, pbwim__improve_range, m);
-        for (i = 0; i < count && status == PBW_OK; i++) {
-            pbwim__task *task = m->tasks.at + i;
-            pbwim__end_task(m, task);
-            *changes += (size_t)task->changed;
-        }
+        m->done[0] = m->done[1];
     }
     return status;
 }
@@ -3252,6 +3809,9 @@ static int pbwim__halve(pbwim__mesh *m, pbw_index t, int e)
     m->mark.at[p] = mark;
     m->size.at[p] = (m->size.at[ring.a] + m->size.at[ring.b]) / 2;
     m->original.at[p] = PBW_NONE;
+    if (m->placed > 0) {
+        memcpy(m->place.at[p], m->place.at[ring.a], sizeof m->place.at[p]);
+    }
     if (pbwim__is_kept(m, ring.a, ring.b)) {
         pbwim__kept_edge *whole = pbwim__find_edge(m, ring.a, ring.b);
         const pbw_index origin = whole->origin;
@@ -3315,7 +3875,7 @@ static pbw_status pbwim__resize_edges(pbwim__mesh *m, int longest, size_t *chang
         if (i % 64 == 0 && pbwim__progress(m, 0)) {
             return PBW_CANCELLED;
         }
-        if (!pbwim__reserve(m, 0)) {
+        if (!pbwim__reserve(m, 0, 0)) {
             return PBW_ERROR_MEMORY;
         }
         if (!pbwim__edges_fit(m, at, longest, &e, &ratio)) {
@@ -3381,42 +3941,93 @@ static int pbwim__compare_edges(const void *a, const void *b)
          : x->a != y->a ? (x->a > y->a) - (x->a < y->a) : (x->b > y->b) - (x->b < y->b);
 }
 
-/* Numbers points in `star` and tetrahedra in `tried`, which are no longer needed; puts edges first in their table. */
-static void pbwim__number(pbwim__mesh *m, pbw_tets *out)
+/* Puts edges first in their table.  Returns how many there are. */
+static size_t pbwim__sort_edges(pbwim__mesh *m)
 {
     pbwim__kept_edge *e = m->edge.at;
-    size_t t, p;
-    for (t = 0; t < m->edge.capacity; t++) {
-        if (e[t].origin != PBW_NONE) {
-            e[out->edge_count++] = e[t];
+    size_t i, count = 0;
+    for (i = 0; i < m->edge.capacity; i++) {
+        if (e[i].origin != PBW_NONE) {
+            e[count++] = e[i];
         }
     }
-    if (out->edge_count > 0) {
-        qsort(e, out->edge_count, sizeof *e, pbwim__compare_edges);
+    if (count > 0) {
+        qsort(e, count, sizeof *e, pbwim__compare_edges);
     }
-    out->tet_count = out->point_count = 0;
-    for (t = 0; t < m->tets; t++) {
-        if (*m->corner.at[t] != PBW_NONE) {
-            m->tried.at[t][0] = (pbw_index)out->tet_count++;
-        }
-    }
-    for (p = 0; p < m->points; p++) {
-        if (m->star.at[p] != PBW_NONE) {
-            m->star.at[p] = (pbw_index)out->point_count++;
-        }
-    }
+    return count;
 }
 
-static void pbwim__copy(const pbwim__mesh *m, const pbwim__result *r, size_t edges)
+static pbw_status pbwim__count_tets(void *arg, size_t from, size_t to)
 {
-    const pbwim__kept_edge *e = m->edge.at;
-    size_t t, p, k;
-    for (t = 0; t < edges; t++) {
-        r->edges.at[t][0] = m->star.at[e[t].a];
-        r->edges.at[t][1] = m->star.at[e[t].b];
-        r->origins.at[t] = e[t].origin;
+    const pbwim__mesh *m = (const pbwim__mesh *)arg;
+    size_t t, count = 0;
+    for (t = from; t < to; t++) {
+        count += *m->corner.at[t] != PBW_NONE;
     }
-    for (p = 0; p < m->points; p++) {
+    m->tally.at[from / PBWIM__SLICE] = count;
+    return PBW_OK;
+}
+
+/* Numbers tetrahedra in `tried`, which is no longer needed. */
+static pbw_status pbwim__number_tets(void *arg, size_t from, size_t to)
+{
+    const pbwim__mesh *m = (const pbwim__mesh *)arg;
+    size_t t, count = m->tally.at[from / PBWIM__SLICE];
+    for (t = from; t < to; t++) {
+        if (*m->corner.at[t] != PBW_NONE) {
+            m->tried.at[t][0] = (pbw_index)count++;
+        }
+    }
+    return PBW_OK;
+}
+
+static pbw_status pbwim__count_points(void *arg, size_t from, size_t to)
+{
+    const pbwim__mesh *m = (const pbwim__mesh *)arg;
+    size_t p, count = 0;
+    for (p = from; p < to; p++) {
+        count += m->star.at[p] != PBW_NONE;
+    }
+    m->tally.at[from / PBWIM__SLICE] = count;
+    return PBW_OK;
+}
+
+/* Numbers points in `star`. */
+static pbw_status pbwim__number_points(void *arg, size_t from, size_t to)
+{
+    const pbwim__mesh *m = (const pbwim__mesh *)arg;
+    size_t p, count = m->tally.at[from / PBWIM__SLICE];
+    for (p = from; p < to; p++) {
+        if (m->star.at[p] != PBW_NONE) {
+            m->star.at[p] = (pbw_index)count++;
+        }
+    }
+    return PBW_OK;
+}
+
+/* Numbers tetrahedra, or points.  *count: how many are in use. */
+static pbw_status pbwim__number(pbwim__mesh *m, int tets, size_t *count)
+{
+    const size_t slots = tets ? m->tets : m->points;
+    pbw_status status = pbwim__for(m, slots, PBWIM__SLICE, tets ? pbwim__count_tets : pbwim__count_points, m);
+    if (status == PBW_OK) {
+        *count = pbwim__sum_up(m->tally.at, pbwim__slices(slots));
+        status = pbwim__for(m, slots, PBWIM__SLICE, tets ? pbwim__number_tets : pbwim__number_points, m);
+    }
+    return status;
+}
+
+typedef struct pbwim__copying {
+    const pbwim__mesh *m;
+    const pbwim__result *r;
+} pbwim__copying;
+
+static pbw_status pbwim__copy_points(void *arg, size_t from, size_t to)
+{
+    const pbwim__mesh *m = ((const pbwim__copying *)arg)->m;
+    const pbwim__result *r = ((const pbwim__copying *)arg)->r;
+    size_t p;
+    for (p = from; p < to; p++) {
         const pbw_index n = m->star.at[p];
         if (n != PBW_NONE) {
             memcpy(r->points.at[n], m->x.at[p], sizeof *r->points.at);
@@ -3424,7 +4035,15 @@ static void pbwim__copy(const pbwim__mesh *m, const pbwim__result *r, size_t edg
             r->original.at[n] = m->original.at[p];
         }
     }
-    for (t = 0; t < m->tets; t++) {
+    return PBW_OK;
+}
+
+static pbw_status pbwim__copy_tets(void *arg, size_t from, size_t to)
+{
+    const pbwim__mesh *m = ((const pbwim__copying *)arg)->m;
+    const pbwim__result *r = ((const pbwim__copying *)arg)->r;
+    size_t t, k;
+    for (t = from; t < to; t++) {
         const size_t n = m->tried.at[t][0];
         for (k = 0; k < 4 && *m->corner.at[t] != PBW_NONE; k++) {
             const pbw_index next = m->next.at[t][k];
@@ -3436,6 +4055,7 @@ static void pbwim__copy(const pbwim__mesh *m, const pbwim__result *r, size_t edg
             }
         }
     }
+    return PBW_OK;
 }
 
 PBWIMPROVEDEF void pbw_tets_free(pbw_tets *mesh)
@@ -3468,22 +4088,42 @@ PBWSF__SHARED static size_t pbwim__result_bytes(const pbw_tets *tets)
 
 static pbw_status pbwim__output(pbwim__mesh *m, pbw_tets *out)
 {
+    const pbwim__kept_edge *e = m->edge.at;
+    const int fits = PBW_FIT(&m->memory, m->tally, pbwim__slices(m->points > m->tets ? m->points : m->tets) + 1);
     const size_t used = m->memory.used;
-    pbwim__result *r = (pbwim__result *)pbw_memory_resize(&m->memory, NULL, 0, 1, sizeof *r);
+    pbw_status status = fits ? pbwim__number(m, 1, &out->tet_count) : PBW_ERROR_MEMORY;
+    pbwim__copying copying;
+    pbwim__result *r;
+    size_t i;
+    status = status != PBW_OK ? status : pbwim__number(m, 0, &out->point_count);
+    r = status == PBW_OK ? (pbwim__result *)pbw_memory_resize(&m->memory, NULL, 0, 1, sizeof *r) : NULL;
     if (r == NULL) {
-        return PBW_ERROR_MEMORY;
+        out->tet_count = out->point_count = 0;
+        return status != PBW_OK ? status : PBW_ERROR_MEMORY;
     }
+    out->edge_count = pbwim__sort_edges(m);
     memset(r, 0, sizeof *r);
     r->memory = m->memory;
     out->memory = r;
-    pbwim__number(m, out);
     if (!pbwim__allocate(r, out->point_count, out->tet_count, m->patched, out->edge_count)) {
         pbw_tets_free(out);
         return PBW_ERROR_MEMORY;
     }
+    copying.m = m;
+    copying.r = r;
     r->bytes = r->memory.used - used;
     m->memory.used = r->memory.used;
-    pbwim__copy(m, r, out->edge_count);
+    for (i = 0; i < out->edge_count; i++) {
+        r->edges.at[i][0] = m->star.at[e[i].a];
+        r->edges.at[i][1] = m->star.at[e[i].b];
+        r->origins.at[i] = e[i].origin;
+    }
+    status = pbwim__for(m, m->points, PBWIM__SLICE, pbwim__copy_points, &copying);
+    status = status != PBW_OK ? status : pbwim__for(m, m->tets, PBWIM__SLICE, pbwim__copy_tets, &copying);
+    if (status != PBW_OK) {
+        pbw_tets_free(out);
+        return status;
+    }
     out->points = (const double *)r->points.at;
     out->corners = (const pbw_index *)r->corners.at;
     out->neighbors = (const pbw_index *)r->neighbors.at;
@@ -3501,20 +4141,19 @@ static pbw_status pbwim__output(pbwim__mesh *m, pbw_tets *out)
 static pbw_status pbwim__close_gaps(pbwim__mesh *m)
 {
     pbwim__sorting sorting;
-    pbw_status status = PBW_ERROR_MEMORY;
-    size_t count = 0, i;
-    memset(&sorting, 0, sizeof sorting);
-    for (i = 0; i < 4 * m->tets; i++) {
-        count += *m->corner.at[i / 4] != PBW_NONE && m->next.at[i / 4][i % 4] == PBW_NONE;
+    pbwim__bounding b = { m, NULL, NULL, NULL };
+    pbw_status status = pbwim__for(m, m->tets, PBWIM__SLICE, pbwim__count_boundary, m);
+    size_t count, i;
+    if (status != PBW_OK) {
+        return status;
     }
-    if (pbwim__begin_sorting(&m->memory, &sorting, count, m->points)) {
-        pbwim__facet *f = sorting.items.at;
-        for (i = 0, count = 0; i < 4 * m->tets; i++) {
-            if (*m->corner.at[i / 4] != PBW_NONE && m->next.at[i / 4][i % 4] == PBW_NONE) {
-                f[count++] = pbwim__facet_of(m, (pbw_index)(i / 4), (int)(i % 4));
-            }
-        }
-        f = pbwim__sort(&sorting, count, 3);
+    memset(&sorting, 0, sizeof sorting);
+    count = pbwim__sum_up(m->tally.at, pbwim__slices(m->tets));
+    status = pbwim__begin_sorting(&m->memory, &sorting, count, m->points) ? PBW_OK : PBW_ERROR_MEMORY;
+    b.facets = sorting.items.at;
+    status = status != PBW_OK ? status : pbwim__for(m, m->tets, PBWIM__SLICE, pbwim__list_boundary, &b);
+    if (status == PBW_OK) {
+        const pbwim__facet *f = pbwim__sort(&sorting, count, 3);
         for (i = 0; i + 1 < count; i++, f++) {
             if (memcmp(f->v, f[1].v, sizeof f->v) == 0
                 && pbwim__facet_parity(m, f->t, f->i) != pbwim__facet_parity(m, f[1].t, f[1].i)) {
@@ -3522,7 +4161,6 @@ static pbw_status pbwim__close_gaps(pbwim__mesh *m)
                 m->next.at[f[1].t][f[1].i] = f->t;
             }
         }
-        status = PBW_OK;
     }
     pbwim__end_sorting(&m->memory, &sorting);
     return status;
@@ -3532,27 +4170,60 @@ static pbw_status pbwim__close_gaps(pbwim__mesh *m)
    >>stages       All of it in order.
    In: what the caller gives.  Out: the improved mesh, and the report.
    ------------------------------------------------------------------------------------------------------ */
-/* Returns the number of tetrahedra below the target, times 1 minus the worst quality. */
-static double pbwim__badness(const pbwim__mesh *m)
+typedef struct pbwim__bad { size_t count; double least; } pbwim__bad;
+
+typedef struct pbwim__counting { const pbwim__mesh *m; pbwim__bad *slice; } pbwim__counting;
+
+static pbw_status pbwim__count_bad_slice(void *arg, size_t from, size_t to)
 {
-    double bad = 0, least = 1;
-    size_t t;
-    for (t = 0; t < m->tets; t++) {
-        if (pbwim__is_bad(m, (pbw_index)t)) {
-            bad++;
-            least = fmin(least, m->quality.at[t]);
+    const pbwim__counting *work = (const pbwim__counting *)arg;
+    pbwim__bad *bad = work->slice + from / PBWIM__SLICE;
+    bad->count = 0;
+    bad->least = 1;
+    for (; from < to; from++) {
+        if (pbwim__is_bad(work->m, (pbw_index)from)) {
+            bad->count++;
+            bad->least = fmin(bad->least, work->m->quality.at[from]);
         }
     }
-    return bad * (1 - least);
+    return PBW_OK;
+}
+
+/* Counts the tetrahedra below the target. */
+static pbw_status pbwim__count_bad(pbwim__mesh *m, pbwim__bad *bad)
+{
+    const size_t slices = pbwim__slices(m->tets);
+    PBW_ARRAY(pbwim__bad) parts = { NULL, 0, 0 };
+    pbwim__counting work = { m, NULL };
+    pbw_status status = PBW_ERROR_MEMORY;
+    size_t i;
+    bad->count = 0;
+    bad->least = 1;
+    if (PBW_FIT(&m->memory, parts, slices + 1)) {
+        work.slice = parts.at;
+        status = pbwim__for(m, m->tets, PBWIM__SLICE, pbwim__count_bad_slice, &work);
+    }
+    for (i = 0; i < slices && status == PBW_OK; i++) {
+        bad->count += parts.at[i].count;
+        bad->least = fmin(bad->least, parts.at[i].least);
+    }
+    PBW_RELEASE(&m->memory, parts);
+    return status;
+}
+
+/* *badness: the number of tetrahedra below the target, times 1 minus the worst quality. */
+static pbw_status pbwim__measure_badness(pbwim__mesh *m, double *badness)
+{
+    pbwim__bad bad;
+    const pbw_status status = pbwim__count_bad(m, &bad);
+    *badness = (double)bad.count * (1 - bad.least);
+    return status;
 }
 
 /* Forgets at which points smoothing failed: the target or the distance allowed is another. */
 static void pbwim__forget_failures(pbwim__mesh *m)
 {
-    size_t p;
-    for (p = 0; p < m->points; p++) {
-        m->failed.at[p] = 0;
-    }
+    memset(m->failed.at, 0, m->points * sizeof *m->failed.at);
 }
 
 /* When passes gain no more: allows the boundary its full distance from the surface.  Returns 0 if it has that. */
@@ -3572,14 +4243,10 @@ static pbw_status pbwim__raise_target(pbwim__mesh *m, double done[2])
 {
     const double target = m->target, distance = m->distance;
     pbw_status status = PBW_OK;
-    size_t t, changes;
+    size_t changes;
     int i;
-    if (!pbwim__flag_active(m)) {
-        return PBW_ERROR_MEMORY;
-    }
-    for (t = 0; t < 2 * m->tets; t++) {
-        m->tried.at[t / 2][t % 2] = 0;
-    }
+    status = pbwim__flag_active(m);
+    memset(m->tried.at, 0, m->tets * sizeof *m->tried.at);
     for (i = 0; i < 8 && status == PBW_OK && !pbwim__is_late(m); i++) {
         if (i % 4 == 0) {
             pbwim__forget_failures(m);
@@ -3621,7 +4288,8 @@ static pbw_status pbwim__passes(pbwim__mesh *m, const pbw_improve_options *how)
         done[0] = done[1];
         m->report->passes++;
         if (m->report->passes % 8 == 0) {
-            const double now = pbwim__badness(m);
+            double now = 0;
+            status = status != PBW_OK ? status : pbwim__measure_badness(m, &now);
             if (now > 0.97 * bad && !pbwim__relax_distance(m, how)) {
                 break;
             }
@@ -3629,9 +4297,13 @@ static pbw_status pbwim__passes(pbwim__mesh *m, const pbw_improve_options *how)
         }
     }
     for (i = 0; i < 2 && status == PBW_OK && !pbwim__is_late(m)
-         && (most == PBWIM__PASSES || m->report->passes + 8 <= most) && pbwim__badness(m) > 0
-         && (i == 0 || pbwim__badness(m) < 0.97 * bad); i++) {
-        bad = pbwim__badness(m);
+         && (most == PBWIM__PASSES || m->report->passes + 8 <= most); i++) {
+        double now;
+        status = pbwim__measure_badness(m, &now);
+        if (status != PBW_OK || !(now > 0) || (i > 0 && now >= 0.97 * bad)) {
+            break;
+        }
+        bad = now;
         status = pbwim__raise_target(m, done);
     }
     return status;
@@ -3654,8 +4326,10 @@ static void pbwim__free(pbwim__mesh *m)
     PBW_RELEASE(&m->memory, m->tried);
     PBW_RELEASE(&m->memory, m->seen);
     PBW_RELEASE(&m->memory, m->queue);
+    PBW_RELEASE(&m->memory, m->sorted);
     PBW_RELEASE(&m->memory, m->tasks);
-    PBW_RELEASE(&m->memory, m->taken);
+    PBW_RELEASE(&m->memory, m->place);
+    PBW_RELEASE(&m->memory, m->tally);
     PBW_RELEASE(&m->memory, m->facets);
     PBW_RELEASE(&m->memory, m->size);
     PBW_RELEASE(&m->memory, m->joint);
@@ -3669,6 +4343,7 @@ static pbw_status pbwim__run(pbwim__mesh *m, const pbw_tets *in, const pbw_impro
 {
     const double angle = how != NULL && how->feature_angle > 0 ? how->feature_angle : 40;
     pbw_status status = pbwim__load(m, in);
+    pbwim__bad bad = { 0, 1 };
     pbw_options inner;
     pbw_tets view;
     size_t t;
@@ -3694,13 +4369,9 @@ static pbw_status pbwim__run(pbwim__mesh *m, const pbw_tets *in, const pbw_impro
     }
     (void)pbw_tets_quality(&view, &inner, &m->report->before);
     status = status != PBW_OK ? status : pbwim__progress(m, 0) ? PBW_CANCELLED : pbwim__passes(m, how);
-    status = status != PBW_OK ? status : pbwim__progress(m, m->done) ? PBW_CANCELLED : pbwim__close_gaps(m);
-    for (t = 0; t < m->tets; t++) {
-        m->report->left += (size_t)pbwim__is_bad(m, (pbw_index)t);
-    }
-    if (status == PBW_OK && pbwim__progress(m, 1)) {
-        status = PBW_CANCELLED;
-    }
+    status = status != PBW_OK ? status : pbwim__progress(m, m->done[0]) ? PBW_CANCELLED : pbwim__close_gaps(m);
+    status = status != PBW_OK ? status : pbwim__progress(m, 1) ? PBW_CANCELLED : pbwim__count_bad(m, &bad);
+    m->report->left = bad.count;
     return status != PBW_OK ? status : pbwim__output(m, better);
 }
 
