@@ -172,7 +172,7 @@ by_gpu() {    # the cells of the CPU; or why there are none
     fi
 }
 check "cells by a GPU" by_gpu
-check "no periods by a GPU" says 2 "--gpu and --periodic exclude" cells lattice.csv --box $box --periodic x --gpu
+check "no periods by a GPU" says 2 "--gpu and --periodic x exclude" cells lattice.csv --box $box --periodic x --gpu
 check "pyramids of six cospherical points" says 0 "6 cells, 0 of them empty, 0 unbounded; 30 facets" \
     cells six.csv --box -1,-1,-1,1,1,1 --merge -o c.csv -o c.obj
 check "pyramids are closed" enclosed

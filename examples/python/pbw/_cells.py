@@ -75,7 +75,7 @@ def _is_cuda(device, **others):
     if device not in ("cpu", "cuda"):
         raise ValueError("device must be 'cpu' or 'cuda', not %r" % (device,))
     for name, value in others.items():
-        if device == "cuda" and value is not None and value is not False and value != "":
+        if device == "cuda" and value is not None and not (isinstance(value, (bool, str)) and not value):
             raise ValueError("device='cuda' makes no cells with %s" % name)
     return device == "cuda"
 
