@@ -925,6 +925,27 @@ check "solid --wrap --size: a formula" says 2 "with --wrap it is a number above 
 check "solid --wrap --sharp" says 2 "--wrap and --sharp none exclude each other" solid lid.obj --wrap --sharp none
 check "solid --alpha alone" says 2 "--alpha 1: it needs --wrap" solid lid.obj --alpha 1
 check "wrap --most" says 1 "more tetrahedra than --most allows" wrap lid.obj --most 100
+check "wrap --seconds" says 1 "--seconds were over before there was a wrap" wrap lid.obj --seconds 1e-9
+check "solid --wrap --seconds" says 1 "--seconds were over before" solid lid.obj --wrap --seconds 1e-9
+printf 'v 0 0 0\nv 4 0 0\nv 4 1 0.5\nv 0 1 0\nf 1 2 3 4\n' > sheet.obj
+check "a sheet becomes a plate" says 0 "below 5, 10, 20, 30: 0, 0, 0, " solid sheet.obj --wrap --size 0.4
+check "1/4 of the size thick" grep -q "the model up to 0.125 sizes from the boundary" said
+facets() { sed -n 's/ facets in .*//p' said; }
+check "wrap --alpha: a formula" says 0 "in 1 component, " wrap lid.obj --alpha "0.1+0.4*x" --offset 0.02
+graded=$(facets)
+check "its least value" says 0 "in 1 component, " wrap lid.obj --alpha 0.1 --offset 0.02
+check "has more facets" [ "$graded" -lt "$(facets)" ]
+check "its largest" says 0 "in 1 component, " wrap lid.obj --alpha 0.5 --offset 0.02
+check "has fewer" [ "$graded" -gt "$(facets)" ]
+check "wrap --alpha: no formula" says 2 "--alpha 0.1+q: this is no formula from" wrap lid.obj --alpha 0.1+q
+check "wrap --alpha: nowhere above 0" says 1 "--alpha -x: it is above 0 nowhere" wrap lid.obj --alpha -x
+printf 'x,y,z,reach\n0,0,0,0.1\n1,0,0,0.1\n0,1,0,0.1\n3,3,3,0.8\n' > reach.csv
+check "wrap --alpha: a column" says 0 "alpha 0.8, offset 0.00333333" wrap reach.csv --alpha reach
+sed '3s/0.1$/0/' reach.csv > zero.csv
+check "wrap --alpha: a column with 0" says 1 "it is 0 at point 1" wrap zero.csv --alpha reach
+{ printf 'MeshVersionFormatted 2\nDimension 3\nVertices 5\n0 0 0 0\n1 0 0 0\n0 1 0 0\n0 0 1 0\n1 1 1 0\n'
+  printf 'Tetrahedra 2\n1 2 3 4 1\n2 3 4 5 2\nEnd\n'; } > regions.mesh
+check "wrap of regions" says 0 "a wrap is one region: those of its tetrahedra are not kept" wrap regions.mesh
 check "a hole is listed" says 0 "hole: 46 facets, area 2, centre (1, 0.5, 1)" solid lid.obj --size 0.4 --patches
 for word in g o usemtl; do
     (cat corners.obj; echo "$word in let"; echo f 1 5 7 3; echo "$word outlet"; echo f 2 4 8 6; echo "$word wall"

@@ -325,6 +325,11 @@ static void refuse(void)
     how.offset = 1e-2;
     CHECK_EQUAL(pbw_wrap(&in, &how, NULL, &w, &r), PBW_ERROR_TOO_LARGE);
     CHECK_EQUAL(r.refusal, PBW_WRAP_LARGE);
+    how.most = 0;
+    how.seconds = 1e-9;
+    CHECK_EQUAL(pbw_wrap(&in, &how, NULL, &w, &r), PBW_CANCELLED);
+    CHECK_EQUAL(r.refusal, PBW_WRAP_LATE);
+    CHECK(w.memory == NULL);
     CHECK_EQUAL(pbw_wrap(NULL, &how, NULL, &w, NULL), PBW_ERROR_ARGUMENT);
     CHECK_EQUAL(pbw_wrap(&in, &how, NULL, NULL, NULL), PBW_ERROR_ARGUMENT);
 }

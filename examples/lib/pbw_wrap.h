@@ -103,6 +103,8 @@ typedef struct pbw_wrap_options {          /* NULL or all zero = best defaults *
     double fill;                           /* length of edges inside, about: vertices there make tetrahedra rounder;
                                               0 = none, but those that the surface needed */
     double most;                           /* tetrahedra; 0 = 50 million */
+    double seconds;                        /* of all threads' processor time: later there is no wrap, and no alpha that
+                                              closes it is looked for; 0 = no limit */
 } pbw_wrap_options;
 
 typedef struct pbw_wrap_result {           /* start from {0}; pbw_wrap_free when done */
@@ -122,7 +124,8 @@ enum {                                     /* why there is no wrap, with the sta
     PBW_WRAP_NO_SIZE,                      /* all points are at one place and no alpha is given (PBW_DEGENERATE) */
     PBW_WRAP_NEAR,                         /* the offset is below 1e-9 of the largest coordinate
                                               (PBW_ERROR_ARGUMENT) */
-    PBW_WRAP_LARGE                         /* more tetrahedra than options.most (PBW_ERROR_TOO_LARGE) */
+    PBW_WRAP_LARGE,                        /* more tetrahedra than options.most (PBW_ERROR_TOO_LARGE) */
+    PBW_WRAP_LATE                          /* options.seconds were over before (PBW_CANCELLED) */
 };
 
 typedef struct pbw_wrap_report {
@@ -222,7 +225,8 @@ typedef struct pbwwr__work {
     pbw_wrap_report *report;
     double alpha, offset, largest, low[3], high[3];      /* largest: coordinate of the box */
     double done;                           /* of the work */
-    int cancelled;
+    double until;                          /* processor time when the work is late; 0 = never */
+    int cancelled, late;
     pbw_surface surface;                   /* of the elements, as triangles, in the order of its tree */
     pbwsf__triples elements;               /* its triangles */
     pbwsf__vectors places;                 /* its points: three a triangle */
@@ -244,6 +248,8 @@ static int pbwwr__progress(void *user, pbw_stage stage, double done)
     pbwwr__work *w = (pbwwr__work *)user;
     (void)stage;
     (void)done;
+    w->late |= w->until > 0 && (double)clock() > w->until;
+    w->cancelled |= w->late;
     if (!w->cancelled && w->caller != NULL && w->caller->progress != NULL) {
         w->cancelled = w->caller->progress(w->caller->progress_user, PBW_STAGE_WORK, w->done) != 0;
     }
@@ -1800,6 +1806,11 @@ static pbw_status pbwwr__find_closing(pbwwr__work *w, double *closing)
         status = pbwwr__set_lengths(w, closed > 0 ? sqrt(shell * closed) : 1.4 * shell);
         status = status != PBW_OK ? status : pbwwr__wrap(w);
         i += closed > 0;
+        if (w->late) {                               /* what was found counts */
+            w->cancelled = w->late = 0;
+            status = PBW_OK;
+            break;
+        }
         if (status == PBW_OK && !pbwwr__is_closed(w)) {
             shell = w->alpha;
         } else if (status == PBW_OK) {
@@ -1814,12 +1825,16 @@ static pbw_status pbwwr__find_closing(pbwwr__work *w, double *closing)
 static pbw_status pbwwr__run(pbwwr__work *w, const pbw_wrap_input *in, pbw_wrap_result *wrap)
 {
     pbw_wrap_report *const r = w->report;
+    const double until = w->how->seconds > 0 ? (double)clock() + w->how->seconds * CLOCKS_PER_SEC : 0;
     double start = (double)clock();
     pbw_status status = pbwwr__load(w, in);
     r->seconds[0] = ((double)clock() - start) / CLOCKS_PER_SEC;
     start = (double)clock();
+    w->until = until;
     status = status != PBW_OK ? status : pbwwr__set_lengths(w, w->how->alpha);
     status = status != PBW_OK ? status : pbwwr__wrap(w);
+    w->until = 0;
+    r->refusal = w->late ? PBW_WRAP_LATE : r->refusal;
     r->seconds[1] = ((double)clock() - start) / CLOCKS_PER_SEC;
     start = (double)clock();
     w->done = fmax(w->done, 0.9);
@@ -1830,7 +1845,9 @@ static pbw_status pbwwr__run(pbwwr__work *w, const pbw_wrap_input *in, pbw_wrap_
         r->shell = r->open_edges > 0 || in->triangle_count == 0;
     }
     if (status == PBW_OK && r->shell && w->how->closing && w->how->alpha_at == NULL) {
+        w->until = until;
         status = pbwwr__find_closing(w, &r->closing);
+        w->until = 0;
     }
     r->seconds[2] = ((double)clock() - start) / CLOCKS_PER_SEC;
     w->done = 1;

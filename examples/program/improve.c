@@ -396,7 +396,7 @@ static int improve_triangles(job *j)
 
 static int run(job *j)
 {
-    const int failed = load_sizes(j, 1);
+    const int failed = load_sizes(j, "--size", 1);
     if (failed) {
         return failed;
     }

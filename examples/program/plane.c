@@ -388,7 +388,7 @@ static int set_up(const job *j, const plan *d, pbw_plane_options *options)
         options->size_at = size_at;
         options->size_user = (void *)(uintptr_t)size;
     }
-    return check_sizes(j, 2);
+    return check_sizes(j, "--size", 2);
 }
 
 /* Makes a plane finer and coarser by sizes at its points: a column of the input, or a formula. */

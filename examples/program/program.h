@@ -35,6 +35,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 #define COMMANDS(X) X(mesh) X(sample) X(check) X(convert) X(bench) X(view) X(locate) X(nearest) X(cells) X(plane) \
     X(improve) X(solid) X(fill) X(wrap) X(tiles) X(hash) X(live)
@@ -315,17 +316,20 @@ double evaluate(const char *formula, int dim, const double *at, const char **wro
 
 const char *size_column(const char *size);           /* the column that it names: no formula, but a word, or # and a
                                                         number; NULL: none */
-int check_sizes(const job *j, int dim);              /* refuses what is neither */
-int load_sizes(job *j, int flat);                    /* as load(); weights of the cloud are the column's values */
+int check_sizes(const job *j, const char *name, int dim);      /* refuses what is neither */
+int load_sizes(job *j, const char *name, int flat);        /* as load(); weights of the cloud are the column's values */
 double size_at_point(const job *j, size_t point);    /* after load_sizes, in 3D; 1 without --size */
 
 typedef struct sizing {                              /* sizes in space */
     const char *formula;                             /* NULL: of values */
     const double *values;                            /* one a point of the surface */
-    pbw_surface surface;                             /* pbw_surface_free when done */
+    pbw_surface surface;
+    pbw_index *corners;                              /* of the surface where the model has no faces; else NULL */
     double least, most;
 } sizing;
 int set_sizes(job *j, sizing *s, pbw_solid_options *how);            /* of the surface that load_sizes has read */
+int set_alphas(job *j, sizing *s, pbw_wrap_options *how);            /* alpha; of no number the offset, too */
+void free_sizes(sizing *s);
 
 /* ---- carry.c ---- */
 

@@ -1,4 +1,4 @@
-/* sizes.c: --size, in the plane and in space: a number, a formula of the place, or a column of the points.
+/* sizes.c: --size, in the plane and in space, and --alpha: a number, a formula of the place, or a column of the points.
    In: the option; the input, whose weights are the column's values.  Out: sizes at places. */
 #include "program.h"
 
@@ -19,20 +19,20 @@ const char *size_column(const char *size)
     return wrong != NULL && size[i] == 0 && (size[0] < '0' || size[0] > '9') ? size : NULL;
 }
 
-int check_sizes(const job *j, int dim)
+int check_sizes(const job *j, const char *name, int dim)
 {
     static const double middle[3] = { 0.1, 0.1, 0.1 };
-    const char *size = text_of(j, "--size"), *wrong = NULL;
+    const char *size = text_of(j, name), *wrong = NULL;
     if (size != NULL && size_column(size) == NULL) {
         (void)evaluate(size, dim, middle, &wrong);
     }
-    return wrong != NULL ? complain("--size %s: this is no formula from \"%s\" on", size, wrong) : 0;
+    return wrong != NULL ? complain("%s %s: this is no formula from \"%s\" on", name, size, wrong) : 0;
 }
 
-int load_sizes(job *j, int flat)
+int load_sizes(job *j, const char *name, int flat)
 {
-    const char *column = size_column(text_of(j, "--size"));
-    int status = check_sizes(j, 3);
+    const char *column = size_column(text_of(j, name));
+    int status = check_sizes(j, name, 3);
     size_t i;
     if (status != 0) {
         return status;
@@ -41,8 +41,8 @@ int load_sizes(job *j, int flat)
     status = load(j, flat);
     for (i = 0; status == 0 && column != NULL && i < j->cloud.count; i++) {
         if (!(j->cloud.weights[i] > 0)) {
-            status = fail(j, "%s: --size %s: it is %g at point %zu, a number above 0 is needed", j->input, column,
-                          j->cloud.weights[i], i + (size_t)j->cloud.base);
+            status = fail(j, "%s: %s %s: it is %g at point %zu, a number above 0 is needed", j->input, name,
+                          column, j->cloud.weights[i], i + (size_t)j->cloud.base);
         }
     }
     return status;
@@ -113,18 +113,14 @@ static void look_at_formula(const pbwio_cloud *c, sizing *s, const double low[3]
     }
 }
 
-int set_sizes(job *j, sizing *s, pbw_solid_options *how)
+/* Fills the range, and what size_in_space needs, of an option that is no number: from values of points where there
+   are some, that of the nearest point where there are no faces.  *diagonal: of the points' box. */
+static int set_range(job *j, const char *name, sizing *s, double *diagonal)
 {
     const pbwio_cloud *c = &j->cloud;
-    const char *size = text_of(j, "--size");
+    const char *size = text_of(j, name);
     double low[3] = { HUGE_VAL, HUGE_VAL, HUGE_VAL }, high[3] = { -HUGE_VAL, -HUGE_VAL, -HUGE_VAL };
-    char *end;
     size_t i;
-    memset(s, 0, sizeof *s);
-    if (size == NULL || (strtod(size, &end) > 0 && *end == 0)) {
-        how->size = size != NULL ? strtod(size, NULL) : 0;
-        return 0;
-    }
     for (i = 0; i < 3 * c->count; i++) {
         low[i % 3] = fmin(low[i % 3], c->points[i]);
         high[i % 3] = fmax(high[i % 3], c->points[i]);
@@ -138,15 +134,67 @@ int set_sizes(job *j, sizing *s, pbw_solid_options *how)
         stretch(s, s->values[i]);
     }
     if (!(s->most > 0)) {
-        return fail(j, "--size %s: it is above 0 nowhere in the box of %s", size, j->input);
+        return fail(j, "%s %s: it is above 0 nowhere in the box of %s", name, size, j->input);
     }
-    s->most = fmin(s->most,
-                   sqrt(pow(high[0] - low[0], 2) + pow(high[1] - low[1], 2) + pow(high[2] - low[2], 2)) / 10);
-    how->size = s->most;
-    how->least_size = how->least_size > 0 ? how->least_size : fmin(s->least, s->most);
-    how->size_at = size_in_space;
-    how->size_user = s;
+    *diagonal = sqrt(pow(high[0] - low[0], 2) + pow(high[1] - low[1], 2) + pow(high[2] - low[2], 2));
+    if (s->values != NULL && c->triangle_count == 0) {
+        s->corners = (pbw_index *)malloc((3 * c->count + 1) * sizeof *s->corners);
+        for (i = 0; i < 3 * c->count && s->corners != NULL; i++) {
+            s->corners[i] = (pbw_index)(i / 3);
+        }
+    }
     return s->values == NULL ? 0
-         : explain(j, pbw_surface_create(c->points, c->count, c->triangles, c->triangle_count, &j->build,
-                                         &s->surface));
+         : c->triangle_count == 0 && s->corners == NULL ? fail(j, "out of memory")
+         : explain(j, pbw_surface_create(c->points, c->count, s->corners != NULL ? s->corners : c->triangles,
+                                         s->corners != NULL ? c->count : c->triangle_count, &j->build, &s->surface));
+}
+
+/* Returns whether an option is a number, or not given: *number, then 0. */
+static int is_number(const job *j, const char *name, double *number)
+{
+    const char *text = text_of(j, name);
+    char *end = NULL;
+    *number = text != NULL ? strtod(text, &end) : 0;
+    return text == NULL || (*number > 0 && *end == 0);
+}
+
+int set_sizes(job *j, sizing *s, pbw_solid_options *how)
+{
+    double diagonal;
+    int failed;
+    memset(s, 0, sizeof *s);
+    if (is_number(j, "--size", &how->size)) {
+        return 0;
+    }
+    failed = set_range(j, "--size", s, &diagonal);
+    if (!failed) {
+        s->most = fmin(s->most, diagonal / 10);
+        how->size = s->most;
+        how->least_size = how->least_size > 0 ? how->least_size : fmin(s->least, s->most);
+        how->size_at = size_in_space;
+        how->size_user = s;
+    }
+    return failed;
+}
+
+int set_alphas(job *j, sizing *s, pbw_wrap_options *how)
+{
+    double diagonal;
+    int failed;
+    memset(s, 0, sizeof *s);
+    if (is_number(j, "--alpha", &how->alpha)) {
+        return 0;
+    }
+    failed = set_range(j, "--alpha", s, &diagonal);
+    how->alpha = s->most;
+    how->offset = s->least / 30;
+    how->alpha_at = size_in_space;
+    how->alpha_user = s;
+    return failed;
+}
+
+void free_sizes(sizing *s)
+{
+    pbw_surface_free(&s->surface);
+    free(s->corners);
 }

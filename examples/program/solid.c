@@ -20,7 +20,8 @@ static const option solid_options[] = {
       "or auto, the default: by how many of them are", CHOICE, 0, 0, sharp_names },
     { "--close", NULL, "closes large holes, and fills thin sheets, which are refused else", SWITCH, 0, 0, NULL },
     { "--wrap", NULL, "fills a wrap of the model instead: any faces, segments and points, with holes,\n"
-      "crossings and gaps; sharp edges are rounded off by about alpha", SWITCH, 0, 0, NULL },
+      "crossings and gaps; sharp edges are rounded off by about alpha, and sheets become\n"
+      "plates, 1/4 of the size thick", SWITCH, 0, 0, NULL },
     { "--keep-faults", NULL, "writes a boundary that is no manifold, too", SWITCH, 0, 0, NULL },
     OPTION_MOST("tetrahedra"),
     { "--patches", NULL, "list patches: the groups of the model, which are kept anyway; of a model without\n"
@@ -439,7 +440,7 @@ static int run(job *j)
     if (is_given(j, "--wrap")) {
         return wrap_solid(j);
     }
-    failed = load_sizes(j, 0);
+    failed = load_sizes(j, "--size", 0);
     failed = failed ? failed : complete_faces(j);
     if (failed) {
         return failed;
@@ -458,7 +459,7 @@ static int run(job *j)
     failed = set_sizes(j, &sizes, &how);
     failed = failed ? failed : take_region_sizes(j, &how, &region_sizes);
     status = failed ? PBW_OK : pbw_solid(&input, &how, &j->build, &mesh, &boundary, &report);
-    pbw_surface_free(&sizes.surface);
+    free_sizes(&sizes);
     free(region_sizes);
     if (failed) {
         return failed;

@@ -4,9 +4,11 @@
 #include "program.h"
 
 const option wrapping_options[] = {
-    OPTION_ALPHA("of wraps: radius of a ball that does not pass, so that holes and gaps below twice\n"
-                 "that are closed; default: 1/50 of the diagonal, of solids half the size"),
-    { "--offset", "D", "of wraps: distance of points from the model; default: 1/30 of alpha", POSITIVE, 0, 0, NULL },
+    { "--alpha", "R", "of wraps: radius of a ball that does not pass, so that holes and gaps below twice that\n"
+      "are closed: a number, a formula or a column, as --size; default: 1/50 of the diagonal,\n"
+      "of solids half the size", FORMULA, 0, 0, NULL },
+    { "--offset", "D", "of wraps: distance of points from the model; default: 1/30 of alpha, of solids 1/8\n"
+      "of the size, so that sheets become plates that have room for good tetrahedra", POSITIVE, 0, 0, NULL },
     { "--cavities", "FILE", "of wraps: points; cavities with one of them are carved from inside, too", PLAIN, 0, 0,
       NULL },
     { "--all-points", NULL, "wraps points that are corners of nothing, too", SWITCH, 0, 0, NULL },
@@ -16,6 +18,7 @@ const option wrapping_options[] = {
 
 static const option wrap_options[] = {
     OPTION_MOST("tetrahedra"),
+    { "--seconds", "S", "of all threads' processor time, at most", POSITIVE, 0, 0, NULL },
     OPTION_QUALITY,
     { NULL, NULL, NULL, SWITCH, 0, 0, NULL }
 };
@@ -85,6 +88,9 @@ static int find_elements(job *j, elements *e)
         if (e->boundary == NULL) {
             return fail(j, "out of memory");
         }
+        if (c->tetrahedron_groups != NULL) {
+            warn(j, "%s: a wrap is one region: those of its tetrahedra are not kept", j->input);
+        }
         if (c->triangle_count > 0) {
             warn(j, "%s: it has tetrahedra: their boundary is wrapped, and not its %zu face%s", j->input,
                  COUNT(c->triangle_count));
@@ -121,6 +127,8 @@ static int refuse(const job *j, pbw_status status, const pbw_wrap_report *r)
     case PBW_WRAP_NEAR:
         return fail(j, "%s: the offset %.3g is below 1e-9 of its largest coordinate; a larger --offset will do, or "
                     "the model nearer to the origin", j->input, r->offset);
+    case PBW_WRAP_LATE:
+        return fail(j, "%s: --seconds were over before there was a wrap; a larger --alpha needs less time", j->input);
     case PBW_WRAP_LARGE:
         return fail(j, "%s: more tetrahedra than --most allows; a larger --alpha needs fewer", j->input);
     default:
@@ -216,6 +224,13 @@ static int write_tets(job *j, const elements *e, const pbw_tets *tets)
 
 /* ---- the commands ---- */
 
+/* Returns the processor time that --seconds leaves; 0: there is no limit. */
+static double seconds_left(const job *j)
+{
+    const double seconds = number_of(j, "--seconds", 0);
+    return seconds > 0 ? fmax(seconds - (double)clock() / CLOCKS_PER_SEC, 1e-3) : 0;
+}
+
 /* Improves the tetrahedra in a wrap: boundary points slide on its surface, which has no sharp edges, and reports. */
 static int improve_wrap(job *j, const pbw_tets *in, pbw_tets *better)
 {
@@ -225,7 +240,7 @@ static int improve_wrap(job *j, const pbw_tets *in, pbw_tets *better)
     int failed;
     memset(&how, 0, sizeof how);
     how.target = number_of(j, "--target", 0);
-    how.seconds = number_of(j, "--seconds", 0);
+    how.seconds = seconds_left(j);
     how.feature_angle = 180;
     j->stage = "improve";
     failed = explain(j, pbw_improve(in, &how, &j->build, better, &r));
@@ -245,9 +260,14 @@ static int improve_wrap(job *j, const pbw_tets *in, pbw_tets *better)
 static int measure_distance(job *j, const elements *e, const pbw_tets *tets, double size)
 {
     double distance[2];
+    const double left = seconds_left(j);
     size_t count;
     pbw_index *facets;
     int failed;
+    if (left > 0 && left < 0.01) {
+        warn(j, "--seconds are over: distances are not measured");
+        return 0;
+    }
     show_tets(j, tets);
     facets = boundary_of(j, &count);
     memset(&j->mesh, 0, sizeof j->mesh);
@@ -265,19 +285,27 @@ static int measure_distance(job *j, const elements *e, const pbw_tets *tets, dou
     return failed;
 }
 
+#define MOST_RAISED 1.5                              /* times alpha, at most, to close a model with faces, so that its
+                                                        details stay; one without faces is closed anyway */
+
 /* Wraps what is loaded; with a size, good tetrahedra of that size. */
 static int wrap_elements(job *j, const elements *e, pbw_wrap_options *how)
 {
     pbw_wrap_report report;
     pbw_wrap_result wrap;
     pbw_tets tets, better;
-    pbw_status status = pbw_wrap(&e->in, how, &j->build, &wrap, &report);
+    pbw_status status;
     int failed;
-    if (status == PBW_OK && how->fill > 0 && report.closing > 0 && !is_given(j, "--alpha")) {
+    how->seconds = seconds_left(j);
+    status = pbw_wrap(&e->in, how, &j->build, &wrap, &report);
+    if (status == PBW_OK && how->fill > 0 && !is_given(j, "--alpha") && report.closing > 0
+        && (report.closing < MOST_RAISED * report.alpha || e->in.triangle_count == 0)) {
         warn(j, "the model is open, and alpha %.3g makes a thin shell: %.3g, which closes it, is taken instead",
              report.alpha, report.closing);
         pbw_wrap_free(&wrap);
         how->alpha = report.closing;
+        how->fill = is_given(j, "--size") ? how->fill : fmax(how->fill, 2 * how->alpha);
+        how->seconds = seconds_left(j);
         status = pbw_wrap(&e->in, how, &j->build, &wrap, &report);
     }
     failed = status != PBW_OK ? refuse(j, status, &report) : 0;
@@ -308,6 +336,7 @@ static int run_both(job *j, int solid)
     pbw_wrap_options how;
     pbwio_cloud seeds;
     elements e;
+    sizing alphas;
     double low[3] = { HUGE_VAL, HUGE_VAL, HUGE_VAL }, high[3] = { -HUGE_VAL, -HUGE_VAL, -HUGE_VAL };
     char *end = NULL;
     const char *size = solid ? text_of(j, "--size") : NULL;
@@ -316,29 +345,35 @@ static int run_both(job *j, int solid)
     memset(&seeds, 0, sizeof seeds);
     memset(&how, 0, sizeof how);
     memset(&e, 0, sizeof e);
+    memset(&alphas, 0, sizeof alphas);
     how.fill = size != NULL ? strtod(size, &end) : 0;
     if (size != NULL && (*end != 0 || !(how.fill > 0))) {
         return complain("--size %s: with --wrap it is a number above 0", size);
     }
     j->read.dim = 3;
-    failed = load(j, 0);
+    failed = load_sizes(j, "--alpha", 0);
     failed = failed ? failed : complete_groups(j);
     failed = failed ? failed : load_seeds(j, &seeds, &how);
     failed = failed ? failed : find_elements(j, &e);
+    failed = failed ? failed : set_alphas(j, &alphas, &how);
     for (i = 0; i < 3 * j->cloud.count && !failed; i++) {
         low[i % 3] = fmin(low[i % 3], j->cloud.points[i]);
         high[i % 3] = fmax(high[i % 3], j->cloud.points[i]);
     }
-    if (solid && size == NULL && !failed) {
+    if (solid && size == NULL && !failed) {          /* facets are about as large as alpha */
         how.fill = sqrt(pow(high[0] - low[0], 2) + pow(high[1] - low[1], 2) + pow(high[2] - low[2], 2)) / 40;
+        how.fill = fmax(how.fill, how.alpha_at == NULL ? 2 * how.alpha : 0);
     }
-    how.alpha = number_of(j, "--alpha", how.fill / 2);
-    how.offset = number_of(j, "--offset", 0);
+    how.alpha = how.alpha > 0 ? how.alpha : how.fill / 2;
+    how.offset = number_of(j, "--offset", solid ? fmin(how.fill / 8, how.alpha_at == NULL ? how.alpha / 2
+                                                                                           : 15 * how.offset)
+                                                : how.offset);
     how.most = number_of(j, "--most", 0);
     how.fast = is_given(j, "--fast");
     how.closing = 1;
     failed = failed ? failed : wrap_elements(j, &e, &how);
     pbwio_free(&seeds);
+    free_sizes(&alphas);
     free(e.boundary);
     free(e.singles);
     return failed;

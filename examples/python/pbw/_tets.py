@@ -374,8 +374,9 @@ def solid(vertices, faces, size=0, target=30, feature_angle=40, rounds=0, patche
     Surfaces that are mostly holes or very thin are refused, unless close=True, and more than `most` tetrahedra.
 
     wrap=True fills a wrap of the faces instead, which may have holes, crossings and gaps: size, a number, target and
-    most are as else, the other arguments have no effect; sharp edges are rounded off by about half the size, and
-    holes are closed.  The report is that of improve, and "wrap" in it that of pbw.wrap.
+    most are as else, the other arguments have no effect.  Sharp edges are rounded off by about half the size; holes
+    are closed up to that, and up to 1.5 times that where it closes the model; sheets become plates, 1/4 of the size
+    thick.  The report is that of improve, and "wrap" in it that of pbw.wrap.
 
     Returns a Tets.  Its regions are numbers of shells, its patches those given, else numbers of the parts between
     sharp edges, and -1 or "" where a hole is closed; parts are the latter numbers in any case.  Its report has

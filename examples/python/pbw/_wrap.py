@@ -24,7 +24,7 @@ class _WrapOptions(ctypes.Structure):
     """pbw_wrap_options."""
     _fields_ = [("alpha", _double), ("offset", _double), *_pointers("alpha_at alpha_user seeds"),
                 ("seed_count", _size), ("fast", ctypes.c_int), ("closing", ctypes.c_int), ("fill", _double),
-                ("most", _double)]
+                ("most", _double), ("seconds", _double)]
 
 
 class _WrapResult(ctypes.Structure):
@@ -44,15 +44,18 @@ class _WrapReport(ctypes.Structure):
 
 _fit(_library, 17, _WrapInput, _WrapOptions, _WrapResult, _WrapReport)
 _REFUSALS = {1: "there is nothing to wrap", 2: "all points are at one place: alpha says how large the wrap shall be",
-             3: "the offset is below 1e-9 of the largest coordinate", 4: "more tetrahedra than most"}
+             3: "the offset is below 1e-9 of the largest coordinate", 4: "more tetrahedra than most",
+             5: "the seconds were over before there was a wrap"}
 
 
 def _filled(points, triangles, size, target, most):
     """Good tetrahedra in a wrap, a Tets whose report has that of the wrap, too: for solid."""
-    size = size or np.linalg.norm(np.ptp(points, axis=0)) / 40
-    around = wrap(points, triangles, alpha=size / 2, fill=size, most=most, closing=True)
-    if around.report["closing"]:
-        around = wrap(points, triangles, alpha=around.report["closing"], fill=size, most=most)
+    length = size or np.linalg.norm(np.ptp(points[triangles].reshape(-1, 3), axis=0)) / 40
+    around = wrap(points, triangles, alpha=length / 2, offset=length / 8, fill=length, most=most, closing=True)
+    closing = around.report["closing"]
+    if 0 < closing < 1.5 * around.report["alpha"]:       # details stay
+        around = wrap(points, triangles, alpha=closing, offset=length / 8, fill=length if size else 2 * closing,
+                      most=most)
     made = improve(around.points, around.tets, target, feature_angle=180)
     made.report["wrap"] = around.report
     return made
@@ -83,7 +86,7 @@ class Wrap:
 
 
 def wrap(points, triangles=None, segments=None, singles=None, alpha=0, offset=0, seeds=None, fast=False,
-         closing=False, fill=0, most=50e6):
+         closing=False, fill=0, most=50e6, seconds=0):
     """Wraps triangles (m, 3), segments (s, 2) and single points, all by rows of points (n, 3), in a closed surface
     that touches none of them and encloses all; holes, crossings and gaps are fine.  Without any of the three, all
     points are wrapped.
@@ -93,6 +96,7 @@ def wrap(points, triangles=None, segments=None, singles=None, alpha=0, offset=0,
     seeds (c, 3): cavities with one of them are carved from inside, too.  fast=True: half the time, more faces.
     closing=True: where the wrap is a shell around both sides of an open model, looks for an alpha that closes it.
     fill: length of edges inside, for rounder tetrahedra; 0 = no vertices for that.
+    seconds of all threads' processor time, at most; 0 = no limit.
 
     Returns a Wrap.
     """
@@ -104,12 +108,12 @@ def wrap(points, triangles=None, segments=None, singles=None, alpha=0, offset=0,
                                          ("singles", None if singles is None else np.reshape(singles, (-1, 1)), 1))]
     given = _WrapInput(points.ctypes.data, len(points), *(part for array in rows
                                                            for part in (array.ctypes.data, len(array))))
-    for name, value in (("alpha", alpha), ("offset", offset), ("fill", fill)):
+    for name, value in (("alpha", alpha), ("offset", offset), ("fill", fill), ("seconds", seconds)):
         if not callable(value):
             _check_number(name, value, 0, np.finfo(float).max)
     _check_number("most", most, 1, np.finfo(float).max)
     how = _WrapOptions(0 if callable(alpha) else alpha, offset)
-    how.fast, how.closing, how.fill, how.most = fast, closing, fill, most
+    how.fast, how.closing, how.fill, how.most, how.seconds = fast, closing, fill, most, seconds
     if seeds is not None:
         seeds = _checked("seeds", seeds, 3, np.float64)
         how.seeds, how.seed_count = seeds.ctypes.data, len(seeds)
