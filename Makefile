@@ -45,7 +45,7 @@ endif
 endif
 
 .PHONY: all page demo web examples test test-all programs oracle arm asan ubsan tsan sanitize valgrind fuzz fuzz-long \
-    asm names fuzz-plane fuzz-cells fuzz-fill campaign interface clean help FORCE
+    asm names fuzz-plane fuzz-cells fuzz-fill fuzz-wrap campaign interface clean help FORCE
 .DELETE_ON_ERROR:
 .SECONDARY:
 
@@ -66,6 +66,7 @@ help:
 	@echo 'make bench-domains  30 and 33 degrees on all plane domains of the tests'
 	@echo 'make bench-models  pbw solid on all surfaces of the demo data of CGAL, beside Gmsh and TetGen'
 	@echo 'make bench-wrap  wraps, beside CGAL; make bench-fill  constrained triangulations, beside TetGen'
+	@echo 'make bench-wraps  wraps of all surfaces of the demo data of CGAL, checked exactly'
 	@echo 'make bench-live  insert, remove and move, beside CGAL; make bench-live-goals  beside what is demanded'
 	@echo 'make bench-scaling  queries, cells, live batches and solids on more and more threads'
 	@echo 'make oracle      compares with CGAL            make names   names, warnings, copies, documentation'
@@ -79,6 +80,7 @@ help:
 	@echo 'make campaign    damaged files, faults and limits under sanitizers; COUNT=1000 is how much'
 	@echo 'make fuzz-cells  a million small inputs with cells in boxes, half-spaces, polygons, periodic boxes'
 	@echo 'make fuzz-fill   10,000 shapes filled with tetrahedra: prisms, boxes, cells, bad input'
+	@echo 'make fuzz-wrap   ten thousand random soups wrapped, each wrap checked exactly'
 	@echo 'CC=clang CXX=clang++ CFLAGS=-O3 B=build/clang  for any of them;  COUNT=n random inputs in tests'
 
 # Programs.  Each example is whole by itself, `cc -O2 -Iexamples/lib example.c -lpthread -lm`; here pbw.h and
@@ -263,6 +265,9 @@ fuzz-cells: $B/fuzz_cells_random FORCE
 	$< --count 1000000
 
 fuzz-fill: $B/test_fill_shapes FORCE
+	$< --count $(or $(COUNT),10000)
+
+fuzz-wrap: $B/test_wrap FORCE
 	$< --count $(or $(COUNT),10000)
 
 $B/fuzz.%.log: $B/fuzz_triangulate_random FORCE

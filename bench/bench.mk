@@ -190,6 +190,15 @@ build/bench_wrap: bench/wrap.cpp
 bench-wrap: $B/pbw build/bench_wrap
 	sh bench/wrap.sh $B/pbw build/bench_wrap $(MODELS)
 
+# Wraps of all surfaces of CGAL's demo data, or of MODELS, checked exactly: bench/wraps.c
+build/bench_wraps: bench/wraps.c tests/wraps.h $(HEADERS)
+	@mkdir -p build
+	$(BENCH_C) -I. -Iexamples/lib $< -o $@ $B/companions.a $B/libpbw.a $(LIBS)
+
+.PHONY: bench-wraps
+bench-wraps: $B/companions.a $B/libpbw.a build/bench_wraps
+	sh bench/wraps.sh build/bench_wraps $(MODELS)
+
 # pbw fill beside TetGen: bench/fill.sh
 .PHONY: bench-fill
 bench-fill: $B/pbw
