@@ -191,8 +191,8 @@ enum {
 };
 #define PBWWR__NEAREST 1e-9                /* least offset, by the largest coordinate */
 #define PBWWR__HIT 1e-3                    /* rule 1 stops so near above the offset, by the offset */
-#define PBWWR__THIN 6                      /* a shell is thinner than so many offsets ... */
-#define PBWWR__ROUNDED 2                   /* ... or than alpha by that: its edges and corners are rounded off */
+#define PBWWR__ROUNDED 2                   /* a shell is two offsets thick, and at edges and corners, which are rounded
+                                              off, more: on average by less than alpha by that */
 
 enum { PBWWR__UNKNOWN, PBWWR__APART, PBWWR__MEETS };
 
@@ -1765,7 +1765,7 @@ static int pbwwr__is_closed(pbwwr__work *w)
     size_t i, tets, facets;
     int k, j;
     pbwwr__measure(w, &volume, &area, &tets, &facets);
-    if (2 * volume > fmax(PBWWR__THIN * w->offset, w->alpha / PBWWR__ROUNDED) * area) {
+    if (2 * volume > (2 * w->offset + w->alpha / PBWWR__ROUNDED) * area) {
         return 1;
     }
     for (i = 0; i < w->cells.count; i++) {

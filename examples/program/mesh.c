@@ -7,7 +7,7 @@ static const option mesh_options[] = {
     OPTION_NO_ORPHANS,
     { "--longest", "L", "only triangles or tetrahedra without an edge longer than L", POSITIVE, 0, 0, NULL },
     OPTION_ALPHA("only triangles or tetrahedra with a circumradius of at most R: the alpha shape; with\n"
-      "weights, the radius is that of the orthogonal circle or sphere"),
+      "weights, the radius is that of the orthogonal circle or sphere", POSITIVE),
     { NULL, NULL, NULL, SWITCH, 0, 0, NULL }
 };
 

@@ -80,7 +80,7 @@ extern const option input_options[], weight_options[], build_options[], inside_o
 /* Options that several commands have in groups of their own; each is defined here alone.  Where the meaning depends
    on the command, the help is an argument. */
 extern const char *const smoothers[];                /* laplace, lloyd, odt */
-#define OPTION_ALPHA(help) { "--alpha", "R", help, POSITIVE, 0, 0, NULL }
+#define OPTION_ALPHA(help, kind) { "--alpha", "R", help, kind, 0, 0, NULL }
 #define OPTION_CONFORMING(help) { "--conforming", NULL, help, SWITCH, 0, 0, NULL }
 #define OPTION_COUNT(help) { "--count", "N", help, WHOLE, 1, 4e9, NULL }
 #define OPTION_FEATURE_ANGLE { "--feature-angle", "DEGREES", \

@@ -4,9 +4,9 @@
 #include "program.h"
 
 const option wrapping_options[] = {
-    { "--alpha", "R", "of wraps: radius of a ball that does not pass, so that holes and gaps below twice that\n"
-      "are closed: a number, a formula or a column, as --size; default: 1/50 of the diagonal,\n"
-      "of solids half the size", FORMULA, 0, 0, NULL },
+    OPTION_ALPHA("of wraps: radius of a ball that does not pass, so that holes and gaps below twice that\n"
+                 "are closed: a number, a formula or a column, as --size; default: 1/50 of the diagonal,\n"
+                 "of solids half the size", FORMULA),
     { "--offset", "D", "of wraps: distance of points from the model; default: 1/30 of alpha, of solids 1/8\n"
       "of the size, so that sheets become plates that have room for good tetrahedra", POSITIVE, 0, 0, NULL },
     { "--cavities", "FILE", "of wraps: points; cavities with one of them are carved from inside, too", PLAIN, 0, 0,
@@ -18,7 +18,7 @@ const option wrapping_options[] = {
 
 static const option wrap_options[] = {
     OPTION_MOST("tetrahedra"),
-    { "--seconds", "S", "of all threads' processor time, at most", POSITIVE, 0, 0, NULL },
+    OPTION_SECONDS,
     OPTION_QUALITY,
     { NULL, NULL, NULL, SWITCH, 0, 0, NULL }
 };
