@@ -816,8 +816,8 @@ typedef struct pbwsf__search {
     PBW_ARRAY(pbwsf__node) nodes;          /* of the tree: node i has the children 2 i + 1 and 2 i + 2 */
     PBW_ARRAY(pbwsf__node) far_nodes;      /* the same for the sides across from the apex */
     PBW_ARRAY(pbwsf__slab) slabs;          /* per leaf */
-    size_t first_leaf, node_count;         /* node first_leaf + j has the triangles 4 j .. 4 j + 3 of items; nodes from
-                                              node_count on are not there: they would have none */
+    size_t first_leaf, node_count;         /* node first_leaf + j has the triangles 4 j .. 4 j + 3 of items; nodes
+                                              from node_count on are not there: they would have none */
     double least;                          /* see pbwsf__side_of */
     PBW_ARRAY(pbwsf__keys) pairs;          /* per range of leaves: pairs of triangles that meet elsewhere */
 } pbwsf__search;

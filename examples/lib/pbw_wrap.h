@@ -103,8 +103,8 @@ typedef struct pbw_wrap_options {          /* NULL or all zero = best defaults *
     double fill;                           /* length of edges inside, about: vertices there make tetrahedra rounder;
                                               0 = none, but those that the surface needed */
     double most;                           /* tetrahedra; 0 = 50 million */
-    double seconds;                        /* of all threads' processor time: later there is no wrap, and no alpha that
-                                              closes it is looked for; 0 = no limit */
+    double seconds;                        /* of all threads' processor time: later there is no wrap, and none that is
+                                              closed is looked for; 0 = no limit */
 } pbw_wrap_options;
 
 typedef struct pbw_wrap_result {           /* start from {0}; pbw_wrap_free when done */
@@ -191,8 +191,8 @@ enum {
 };
 #define PBWWR__NEAREST 1e-9                /* least offset, by the largest coordinate */
 #define PBWWR__HIT 1e-3                    /* rule 1 stops so near above the offset, by the offset */
-#define PBWWR__ROUNDED 2                   /* a shell is two offsets thick, and at edges and corners, which are rounded
-                                              off, more: on average by less than alpha by that */
+#define PBWWR__ROUNDED 2                   /* a shell is two offsets thick, and more at edges and corners, which are
+                                              rounded off: on average by less than alpha by that */
 
 enum { PBWWR__UNKNOWN, PBWWR__APART, PBWWR__MEETS };
 

@@ -317,7 +317,7 @@ double evaluate(const char *formula, int dim, const double *at, const char **wro
 const char *size_column(const char *size);           /* the column that it names: no formula, but a word, or # and a
                                                         number; NULL: none */
 int check_sizes(const job *j, const char *name, int dim);      /* refuses what is neither */
-int load_sizes(job *j, const char *name, int flat);        /* as load(); weights of the cloud are the column's values */
+int load_sizes(job *j, const char *name, int flat);  /* as load(); weights of the cloud are the column's values */
 double size_at_point(const job *j, size_t point);    /* after load_sizes, in 3D; 1 without --size */
 
 typedef struct sizing {                              /* sizes in space */

@@ -1,4 +1,4 @@
-/* sizes.c: --size, in the plane and in space, and --alpha: a number, a formula of the place, or a column of the points.
+/* sizes.c: --size, in the plane and in space, and --alpha: a number, a formula of the place, or a column.
    In: the option; the input, whose weights are the column's values.  Out: sizes at places. */
 #include "program.h"
 
