@@ -26,6 +26,7 @@
      >>exact        points taken off the surface's edges again
      >>regions      what the facets enclose
      >>inside       points inside, for sizes and shapes
+     >>places       points back from the grid to the caller's places
      >>result       the caller's arrays
      >>stages       all of it in order
 
@@ -49,8 +50,8 @@
       odd number of nested bodies is kept.
    6. If sizes or ratios are given, tetrahedra that are too large or too slim get points at the centers of their
       spheres, in rounds; facets stay.
-   7. Points of the input go back from the grid to their places, but for those where a tetrahedron would turn; with
-      points added on the surface, none.
+   7. Points of the input go back from the grid to their places.  Where a tetrahedron turns by that, it and those
+      around are filled again, with a point inside if need be; where that fails, its points stay on the grid.
    8. With a target, pbw_improve raises the dihedral angles inside, and adds points there (PBW_TETS_FROZEN).
 
    PROMISES  (tests/test_fill.c guards them)
@@ -63,9 +64,9 @@
      bounded     no recursion, and no assert on any input
 
    DOES NOT  work on several threads, but for the first triangulation, the search for crossings, and improvement.
-             Triangles nearer to each other than 2^-29 of the box may cross on the grid, and are refused then.  Where
-             points were added on the surface, the input's points stay on the grid; and far from the origin, as seen
-             against the box, tetrahedra may be flat: report.flat_tets.
+             Triangles nearer to each other than 2^-29 of the box may cross on the grid, and are refused then.
+             Points added on an edge are at the double nearest to it, which is on it if its ends are on the grid.  Far
+             from the origin, as seen against the box, tetrahedra may be flat: report.flat_tets.
 
    CONFIGURATION MACROS
      PBW_FILL_IMPLEMENTATION  in one source file: compile the implementation there
@@ -151,7 +152,7 @@ typedef struct pbw_fill_report {
                                               OPEN, POINTS_LEFT: a triangle; TOO_FINE: the ends of an edge, two
                                               points, or two triangles that cross on the grid only; SEED: the seed */
     size_t rounded;                        /* points of the result that are the input's, moved to the grid, by 2^-30
-                                              of the box at most */
+                                              of the box at most, as no tetrahedra were found around them else */
     size_t doubles;                        /* triangles with the corners of an earlier one, left out */
     size_t collapsed;                      /* triangles with two corners at one place, left out */
     size_t segments, facets;               /* edges that are kept, and flat facets */
@@ -213,6 +214,7 @@ PBW_CONTRACTION_OFF                        /* fused operations would give other 
 enum { PBWFILL__STEPS = 22 };              /* places on a segment are multiples of 2^-22 of it */
 
 typedef PBW_ARRAY(pbw_index) pbwfill__indices;
+typedef PBW_ARRAY(double) pbwfill__doubles;
 
 typedef struct pbwfill__tet {
     pbw_index v[4], n[4];                  /* n[i]: across from v[i] */
@@ -261,7 +263,7 @@ typedef struct pbwfill__work {
     clock_t since;
     int exponent;                          /* coordinates of the input times 2^-exponent are below 1 */
     double unit, origin[3];                /* of the grid, for coordinates below 1 */
-    PBW_ARRAY(double) x;                   /* 3 a vertex, in units from the origin */
+    pbwfill__doubles x;                    /* 3 a vertex, in units from the origin; in >>places the caller's */
     size_t inputs;                         /* how many vertices are the input's */
     pbwfill__indices canonical;            /* of each of them: the first at its place */
     PBW_ARRAY(pbwfill__tet) tets;
@@ -474,6 +476,17 @@ static unsigned pbwfill__corner_of(const pbwfill__tet *t, pbw_index v)
 static unsigned pbwfill__back(const pbwfill__tet *t, pbw_index neighbor)
 {
     return t->n[0] == neighbor ? 0 : t->n[1] == neighbor ? 1 : t->n[2] == neighbor ? 2 : 3;
+}
+
+/* The number of the corner of t across from one of its faces; also where t and the tetrahedron behind the face have
+   all corners in common, as one of them is turned. */
+static unsigned pbwfill__across(const pbwfill__tet *t, const pbw_index v[3])
+{
+    unsigned k = 0;
+    while (t->v[k] == v[0] || t->v[k] == v[1] || t->v[k] == v[2]) {
+        k++;
+    }
+    return k;
 }
 
 /* Whether p is strictly beyond the facet across from corner i. */
@@ -797,19 +810,22 @@ static pbw_index pbwfill__root(pbw_index *tree, pbw_index i)
     return i;
 }
 
-/* Whether an edge lies within a flat facet: between two coplanar triangles of one number. */
+/* Whether an edge lies within a flat facet: between two triangles of one number, coplanar in the input and on the
+   grid. */
 static int pbwfill__is_flat(const pbwfill__work *w, const pbwfill__edge *e)
 {
     const pbw_index *side = w->sides.at + e->first;
-    const double *a, *b, *c, *d;
+    const double *a, *b, *c, *d, *x = w->input->points;
+    pbw_index u, v;
     int axis;
     if (w->how.split_flat || e->count != 2 || e->piece != PBW_NONE
         || (w->input->numbers != NULL && w->input->numbers[side[0] / 3] != w->input->numbers[side[1] / 3])) {
         return 0;
     }
-    a = pbwfill__at(w, e->a), b = pbwfill__at(w, e->b);
-    c = pbwfill__at(w, w->corners.at[side[0]]), d = pbwfill__at(w, w->corners.at[side[1]]);
-    if (pbw_orient3(a, b, c, d) != 0) {
+    u = w->corners.at[side[0]], v = w->corners.at[side[1]];
+    a = pbwfill__at(w, e->a), b = pbwfill__at(w, e->b), c = pbwfill__at(w, u), d = pbwfill__at(w, v);
+    if (pbw_orient3(a, b, c, d) != 0 || pbw_orient3(x + 3 * (size_t)e->a, x + 3 * (size_t)e->b, x + 3 * (size_t)u,
+                                                    x + 3 * (size_t)v) != 0) {
         return 0;
     }
     axis = pbwfill__axis_of(a, b, c);
@@ -1058,10 +1074,10 @@ static pbw_status pbwfill__insert(pbwfill__work *w, pbw_index vertex, pbw_index 
    >>segments     Points on segments until all of their pieces are edges.
    In: the Delaunay triangulation of the vertices.  Out: one in which every piece of a segment is an edge.
    A piece that is no edge is cut so that the vertices which it passes, and which are in the ball over it, are in the
-   balls over neither part: then nothing that was seen keeps these from being edges.  Where no cut does this, the middle
-   halves the problem.  A vertex on a segment that shares an end with this one would be called forth by the cut in its
-   turn, and so on: then both get the same distance from that end (Si and Gaertner 2005, "Meshing piecewise linear
-   complexes by constrained Delaunay tetrahedralizations").
+   balls over neither part: then nothing that was seen keeps these from being edges.  Where no cut does this, the
+   middle halves the problem.  The cut would call forth a vertex on a segment that shares an end with this one, that
+   vertex the next cut here, and so on: then both get the same distance from that end (Si and Gaertner 2005, "Meshing
+   piecewise linear complexes by constrained Delaunay tetrahedralizations").
    ------------------------------------------------------------------------------------------------------ */
 /* What is in the ball over a piece: the vertex that sees it under the largest angle, and its place along the piece;
    cuts from low to high leave none in the balls over the parts.  From 0 to 1, from a to b. */
@@ -1123,8 +1139,8 @@ static pbw_index pbwfill__step_along(const pbwfill__work *w, pbw_index t, pbw_in
     return PBW_NONE;
 }
 
-/* Finds what the piece sees of the corners of the tetrahedra that it passes; the vertex is PBW_NONE if that is nothing.
-   Of points on the piece it is the first one from a.  Returns 0 if the piece is an edge.
+/* Finds what the piece sees of the corners of the tetrahedra that it passes; the vertex is PBW_NONE if that is
+   nothing.  Of points on the piece it is the first one from a.  Returns 0 if the piece is an edge.
    With s for the place of a vertex along the piece and h for its distance from there, both by the piece's length, the
    ball over the part from 0 to t does not hold it if s (t - s) <= h^2, and that over the rest likewise. */
 static int pbwfill__look_along(const pbwfill__work *w, const pbwfill__piece *piece, pbwfill__sight *sight)
@@ -1729,7 +1745,6 @@ static int pbwfill__list_faces(pbwfill__work *w)
             }
             memset(&f, 0, sizeof f);
             f.outside = inner ? PBW_NONE : tet->n[k];
-            f.back = f.outside == PBW_NONE ? 0 : pbwfill__back(w->tets.at + f.outside, t);
             f.wall = tet->wall[k];
             f.tet = PBW_NONE;
             for (j = 0; j < 3; j++) {
@@ -1743,6 +1758,7 @@ static int pbwfill__list_faces(pbwfill__work *w)
                     f.high[c] = j == 0 ? x[c] : fmax(f.high[c], x[c]);
                 }
             }
+            f.back = f.outside == PBW_NONE ? 0 : pbwfill__across(w->tets.at + f.outside, f.v);
             if (!PBW_PUSH(&w->memory, w->faces, f)) {
                 return 0;
             }
@@ -1778,6 +1794,12 @@ static pbw_status pbwfill__replace(pbwfill__work *w, pbw_index facet, const pbwf
             && PBW_RESERVE(&w->memory, w->unused, w->cavity.count);
     for (i = 0; good && i < w->made.count; i++) {
         places.at[i] = pbwfill__new_tet(w);
+        while (good && w->region.count > 0 && w->region.count < w->tets.count) {
+            good = PBW_PUSH(&w->memory, w->region, PBW_NONE) != 0;
+        }
+        if (good && w->region.count > 0) {
+            w->region.at[places.at[i]] = w->region.at[w->cavity.at[0]];
+        }
     }
     for (i = 0; good && i < w->made.count; i++) {
         pbwfill__tet *t = w->tets.at + places.at[i];
@@ -2316,11 +2338,34 @@ static int pbwfill__sees_all(const pbwfill__work *w, int wedge, const double x[3
     return 1;
 }
 
+/* Moves x away from the plane that it is the least inside of, among the wedge's, while that helps, by `step` and
+   less; where x sees all faces, so does the place that it moves to. */
+static void pbwfill__climb(const pbwfill__work *w, int wedge, double x[3], double step, int tries)
+{
+    double n[3], m[3], y[3], depth = pbwfill__depth(w, wedge, x, n);
+    const int seen = pbwfill__sees_all(w, wedge, x);
+    int k;
+    while (tries-- > 0) {
+        double other;
+        for (k = 0; k < 3; k++) {
+            y[k] = x[k] + step * n[k];
+        }
+        other = pbwfill__depth(w, wedge, y, m);
+        if (other > depth && (!seen || pbwfill__sees_all(w, wedge, y))) {
+            depth = other;
+            memcpy(x, y, sizeof y);
+            memcpy(n, m, sizeof m);
+        } else {
+            step /= 2;
+        }
+    }
+}
+
 /* Finds a place in the wedge from which all of its faces are seen.  Returns 0 if there is none. */
 static int pbwfill__find_place(const pbwfill__work *w, const pbwfill__star *star, int wedge, double x[3])
 {
     const double *v = pbwfill__at(w, star->v);
-    double d[3] = { 0, 0, 0 }, n[3], y[3], reach = 0, length, step, depth;
+    double d[3] = { 0, 0, 0 }, n[3], reach = 0, length, step;
     size_t i;
     int k, tries;
     for (i = 0; i < star->sectors.count; i++) {      /* those at a: one of each side of the wedge */
@@ -2360,21 +2405,7 @@ static int pbwfill__find_place(const pbwfill__work *w, const pbwfill__star *star
     if (tries == 60) {
         return 0;
     }
-    depth = pbwfill__depth(w, wedge, x, n);
-    for (tries = 0; tries < 24; tries++) {
-        double m[3], other;
-        for (k = 0; k < 3; k++) {
-            y[k] = x[k] + step * n[k];
-        }
-        other = pbwfill__depth(w, wedge, y, m);
-        if (other > depth && pbwfill__sees_all(w, wedge, y)) {
-            depth = other;
-            memcpy(x, y, sizeof y);
-            memcpy(n, m, sizeof m);
-        } else {
-            step /= 2;
-        }
-    }
+    pbwfill__climb(w, wedge, x, step, 24);
     return 1;
 }
 
@@ -3246,6 +3277,192 @@ static pbw_status pbwfill__add_inside(pbwfill__work *w)
 }
 
 /* ------------------------------------------------------------------------------------------------------
+   >>places       Points back from the grid to the caller's places.
+   In: tetrahedra with regions, positive on the grid.  Out: those that are kept are positive in the caller's
+   coordinates, which `x` has then.
+   Tetrahedra that are positive, linked, and bounded by the facets cover what these enclose once, so that signs are
+   all that there is to check.
+   ------------------------------------------------------------------------------------------------------ */
+enum { PBWFILL__RINGS = 4, PBWFILL__MENDED = 300 };        /* rings of tetrahedra around a turned one, and most of
+                                                              them, that are filled again */
+
+/* Moves points of the input to the caller's places, and points on edges between these to the edge; grid: gets the
+   places that all vertices had, in the caller's coordinates. */
+static int pbwfill__leave_grid(pbwfill__work *w, pbwfill__doubles *grid)
+{
+    const double *given = w->input->points;
+    size_t i, k;
+    if (!PBW_FIT(&w->memory, *grid, w->x.count)) {
+        return 0;
+    }
+    for (i = 0; i < w->x.count; i += 3) {
+        pbwfill__place(w, w->x.at + i, grid->at + i);
+    }
+    grid->count = w->x.count;
+    memcpy(w->x.at, grid->at, w->x.count * sizeof *grid->at);
+    memcpy(w->x.at, given, 3 * w->inputs * sizeof *given);
+    for (i = 0; i < w->pieces.count; i++) {
+        const pbwfill__piece *piece = w->pieces.at + i;
+        const size_t v = 3 * (size_t)piece->b, a = 3 * (size_t)piece->ends[0], b = 3 * (size_t)piece->ends[1];
+        const double t = (double)piece->to * ldexp(1, -PBWFILL__STEPS);
+        if (piece->b >= w->inputs && (pbwfill__differ(given + a, grid->at + a)
+                                      || pbwfill__differ(given + b, grid->at + b))) {
+            for (k = 0; k < 3; k++) {
+                w->x.at[v + k] = (1 - t) * given[a + k] + t * given[b + k];
+            }
+        }
+    }
+    return 1;
+}
+
+/* Whether a tetrahedron has an edge of a wire. */
+static int pbwfill__has_wire(const pbwfill__work *w, const pbwfill__tet *t)
+{
+    unsigned i, j;
+    for (i = 0; i < 4 && w->input->segment_count > 0; i++) {
+        for (j = 0; j < i; j++) {
+            const pbw_index a = t->v[i] < t->v[j] ? t->v[i] : t->v[j], b = t->v[i] < t->v[j] ? t->v[j] : t->v[i];
+            const pbw_index piece = pbwfill__look_up(&w->segments, a, b, PBW_NONE);
+            if (piece != PBW_NONE && w->edges.at[w->pieces.at[piece].edge].count == 0) {
+                return 1;
+            }
+        }
+    }
+    return 0;
+}
+
+/* Adds the tetrahedra behind the cavity's faces, but for walls.  Returns 0 without memory. */
+static int pbwfill__add_ring(pbwfill__work *w)
+{
+    const size_t before = w->cavity.count;
+    size_t i;
+    unsigned k;
+    for (i = 0; i < before; i++) {
+        for (k = 0; k < 4; k++) {
+            const pbwfill__tet *t = w->tets.at + w->cavity.at[i];
+            const pbw_index n = t->n[k];
+            if (n != PBW_NONE && t->wall[k] == PBW_NONE && w->seen.at[n] != w->epoch
+                && !pbwfill__has_wire(w, w->tets.at + n)) {
+                w->seen.at[n] = w->epoch;
+                if (!PBW_PUSH(&w->memory, w->cavity, n)) {
+                    return 0;
+                }
+            }
+        }
+    }
+    return 1;
+}
+
+/* Whether all vertices of the cavity are in tetrahedra made. */
+static int pbwfill__made_of_all(pbwfill__work *w)
+{
+    size_t i;
+    unsigned k;
+    int all = 1;
+    for (i = 0; i < w->rest.count; i++) {
+        w->touched.at[w->rest.at[i]] = 0;
+    }
+    for (i = 0; i < w->made.count; i++) {
+        for (k = 0; k < 4; k++) {
+            w->touched.at[w->made.at[i].v[k]] = 1;
+        }
+    }
+    for (i = 0; i < w->rest.count; i++) {
+        all &= w->touched.at[w->rest.at[i]];
+    }
+    return all;
+}
+
+/* Joins the cavity's faces to a new vertex within. */
+static pbw_status pbwfill__join_inside(pbwfill__work *w, pbwfill__doubles *grid)
+{
+    double x[3] = { 0, 0, 0 }, reach = 0;
+    size_t i;
+    int k;
+    for (i = 0; i < w->rest.count; i++) {
+        const double *p = pbwfill__at(w, w->rest.at[i]);
+        for (k = 0; k < 3; k++) {
+            x[k] += (p[k] - x[k]) / (double)(i + 1);             /* at last their mean */
+        }
+        reach = fmax(reach, pbwfill__distance(x, p));
+    }
+    pbwfill__climb(w, 1, x, reach / 4, 60);
+    if (!pbwfill__sees_all(w, 1, x)) {
+        return PBW_DEGENERATE;
+    }
+    if (!pbwfill__new_vertex(w, x) || !PBW_RESERVE(&w->memory, *grid, 3)) {
+        return PBW_ERROR_MEMORY;
+    }
+    memcpy(grid->at + grid->count, x, sizeof x);
+    grid->count += 3;
+    w->sign.at[w->sign.count - 1] = 1;
+    return pbwfill__join(w, 1, (pbw_index)(pbwfill__vertices(w) - 1));
+}
+
+/* Fills a turned tetrahedron and some around it again.  *done: whether that is possible. */
+static pbw_status pbwfill__mend(pbwfill__work *w, pbw_index t, pbwfill__doubles *grid, int *done)
+{
+    pbwfill__indices floor = { NULL, 0, 0 };         /* stays empty */
+    pbw_status status = PBW_OK;
+    int tries;
+    *done = 0;
+    for (tries = 0; tries < 2 * PBWFILL__RINGS && !*done && status == PBW_OK; tries++) {
+        if (tries % PBWFILL__RINGS == 0) {
+            w->epoch += 2;
+            w->seen.at[t] = w->epoch;
+            w->cavity.count = 0;
+            if (!PBW_PUSH(&w->memory, w->cavity, t)) {
+                return PBW_ERROR_MEMORY;
+            }
+        }
+        if (!pbwfill__add_ring(w) || (w->cavity.count <= PBWFILL__MENDED && !pbwfill__list_faces(w))) {
+            return PBW_ERROR_MEMORY;
+        }
+        if (w->cavity.count > PBWFILL__MENDED || pbwfill__has_wire(w, w->tets.at + t)) {
+            continue;
+        }
+        w->made.count = 0;
+        status = tries < PBWFILL__RINGS ? pbwfill__wrap(w, 1, 3 * w->faces.count + 30, &floor)
+               : pbwfill__join_inside(w, grid);
+        if (status == PBW_OK && pbwfill__made_of_all(w)) {
+            *done = 1;
+            status = pbwfill__replace(w, PBW_NONE, &floor);
+        }
+        status = status == PBW_DEGENERATE ? PBW_OK : status;
+    }
+    PBW_RELEASE(&w->memory, floor);
+    return status;
+}
+
+static pbw_status pbwfill__find_places(pbwfill__work *w)
+{
+    pbwfill__doubles grid = { NULL, 0, 0 };
+    pbw_status status = pbwfill__leave_grid(w, &grid) ? PBW_OK : PBW_ERROR_MEMORY;
+    size_t i, k, changes = 1;
+    memset(w->sign.at, 1, w->sign.count);            /* one side only */
+    while (changes > 0 && status == PBW_OK) {
+        changes = w->report->flat_tets = 0;
+        for (i = 0; i < w->tets.count && status == PBW_OK; i++) {
+            const pbw_index *c = w->tets.at[i].v;
+            int done = 0;
+            if (c[0] == PBW_NONE || w->region.at[i] == PBW_NONE || pbwfill__orient(w, c[0], c[1], c[2], c[3]) > 0) {
+                continue;
+            }
+            status = pbwfill__tick(w, 1) ? PBW_CANCELLED : pbwfill__mend(w, (pbw_index)i, &grid, &done);
+            c = w->tets.at[i].v;
+            for (k = 0; k < 4 && !done && status == PBW_OK && pbwfill__orient(w, c[0], c[1], c[2], c[3]) <= 0; k++) {
+                const size_t v = 3 * (size_t)c[k];
+                changes += (size_t)pbwfill__differ(w->x.at + v, grid.at + v);
+                memcpy(w->x.at + v, grid.at + v, 3 * sizeof *grid.at);
+            }
+            w->report->flat_tets += (size_t)!done;
+        }
+    }
+    PBW_RELEASE(&w->memory, grid);
+    return status;
+}
+
+/* ------------------------------------------------------------------------------------------------------
    >>result       The caller's arrays.
    In: the tetrahedra with regions.  Out: those that are kept, their points, and the facets.
    ------------------------------------------------------------------------------------------------------ */
@@ -3307,52 +3524,13 @@ static int pbwfill__number(pbwfill__work *w, pbwfill__result *r, pbwfill__indice
     r->regions.count = tets;
     for (i = 0; i < count; i++) {
         if (point->at[i] != PBW_NONE) {
-            pbwfill__place(w, w->x.at + 3 * i, r->points.at + 3 * (size_t)point->at[i]);
+            memcpy(r->points.at + 3 * (size_t)point->at[i], w->x.at + 3 * i, 3 * sizeof *w->x.at);
+            w->report->rounded += i < w->inputs && pbwfill__differ(w->x.at + 3 * i, w->input->points + 3 * i);
             w->report->inner_points += i >= w->inputs + 8;
             r->original.at[point->at[i]] = i < w->inputs ? (pbw_index)i : PBW_NONE;
         }
     }
     return 1;
-}
-
-/* Puts points of the input back to the caller's places, but for those of tetrahedra that would not be positive
-   then. */
-static void pbwfill__put_back(pbwfill__work *w, pbwfill__result *r)
-{
-    const double *x = r->points.at, *given = w->input->points;
-    const int whole = w->report->facets + w->report->doubles + w->report->collapsed == w->corners.count / 3;
-    const int may = w->report->refusal == PBW_FILL_FILLED
-                 && (!w->how.conforming || (whole && w->report->segment_points == 0));
-    size_t i, k, changes = 1;
-    for (i = 0; may && i < r->original.count; i++) {
-        if (r->original.at[i] != PBW_NONE) {
-            memcpy(r->points.at + 3 * i, given + 3 * (size_t)r->original.at[i], 3 * sizeof *given);
-        }
-    }
-    while (changes > 0) {
-        changes = w->report->flat_tets = 0;
-        for (i = 0; i < r->regions.count; i++) {
-            const pbw_index *c = r->corners.at + 4 * i;
-            if (pbw_orient3(x + 3 * (size_t)c[0], x + 3 * (size_t)c[1], x + 3 * (size_t)c[2],
-                            x + 3 * (size_t)c[3]) > 0) {
-                continue;
-            }
-            w->report->flat_tets++;
-            for (k = 0; k < 4; k++) {
-                const pbw_index v = r->original.at[c[k]];
-                double place[3];
-                if (v != PBW_NONE) {
-                    pbwfill__place(w, w->x.at + 3 * (size_t)v, place);
-                    changes += (size_t)pbwfill__differ(x + 3 * (size_t)c[k], place);
-                    memcpy(r->points.at + 3 * (size_t)c[k], place, sizeof place);
-                }
-            }
-        }
-    }
-    for (i = 0; i < r->original.count; i++) {
-        const pbw_index v = r->original.at[i];
-        w->report->rounded += v != PBW_NONE && pbwfill__differ(x + 3 * i, given + 3 * (size_t)v);
-    }
 }
 
 /* The input's triangle at a face: where a flat facet has several, the one nearest to the middle of the face. */
@@ -3401,7 +3579,6 @@ static void pbwfill__copy(pbwfill__work *w, pbwfill__result *r, const pbw_surfac
             r->regions.at[to] = w->region.at[i];
         }
     }
-    pbwfill__put_back(w, r);
 }
 
 /* Lists the facets, each of the tetrahedron with the lower number.  Returns 0 without memory. */
@@ -3687,6 +3864,7 @@ static pbw_status pbwfill__run(pbwfill__work *w, pbw_filled *filled)
     for (i = 0; i < 9 && status == PBW_OK; i++) {
         status = pbwfill__begin(w, i, stages[i].name, stages[i].to) ? PBW_CANCELLED : stages[i].run(w);
     }
+    status = status != PBW_OK ? status : pbwfill__find_places(w);
     status = status != PBW_OK ? status : pbwfill__write(w, filled);
     (void)pbwfill__begin(w, w->stage, NULL, 1);
     return status;
