@@ -134,7 +134,7 @@
      star     the simplices round a vertex; cavity: the simplices in conflict with a point, which its star replaces
      ghost    the vertex at infinity; a ghost simplex joins it to a facet of the hull
      lift     |p|^2 - w, the height of a point on the paraboloid; height of a row: what bounds its rounding errors
-     rank     the place of a vertex along the Hilbert curve; a span is a sequence of ranks
+     rank     the number of a vertex along the Hilbert curve; a span is a sequence of ranks
      level    the ranks that are inserted before finer ones
      slot     where the store keeps a simplex; a region is the slots for a span; a fresh slot was never used
      zone     the ranks of one or more regions that one task owns at a time
@@ -142,7 +142,7 @@
      run      points in one cell of the curve's grid: equal keys
      task     a call of a function on some thread; a share: the items that one task begins with
      part     a range of the sorted keys; of queries a range is a block, elsewhere a block is memory
-     place    the position of a simplex in the caller's arrays; points at one place have equal coordinates
+     position of a simplex, in the caller's arrays; place: of a point, its coordinates
      open     a sign that a stage of a predicate does not know
 
    COMPILING
@@ -1693,7 +1693,7 @@ static void *pbw__allocate_large(pbw__context *context, size_t count, size_t siz
    is enough.
    ------------------------------------------------------------------------------------------------------ */
 /* Hooks for tests.  PBW__TEST_SMALL_SHARES: few points make many tasks; else PBW__SMALLER(items) are the items below
-   which another task does not pay.  PBW__TEST_PAUSE(): a place where a test may delay a thread.
+   which another task does not pay.  PBW__TEST_PAUSE(): where a test may delay a thread.
    PBW__TEST_MAY_START(): whether another thread starts. */
 #ifdef PBW__TEST_SMALL_SHARES
 #define PBW__SMALLER(items) ((items) / 1024 + 1)
@@ -4298,7 +4298,7 @@ typedef struct pbw__scratch {
     pbw_index *parent;                               /* 3D: the facet that each was met through, as in `from` */
     pbw__carved *carved;                             /* 3D: the same simplices, for the refill */
     pbw__link *beyond;                               /* 2D: the boundary of the cavity: the link across each edge */
-    pbw_index *from;                                 /* 3D: the facets there: 4 * place in the cavity + which one */
+    pbw_index *from;                                 /* 3D: the facets there: 4 * index in the cavity + which one */
     pbw__link *stack;                                /* 2D: links that are still to be searched */
     size_t cavity_count, facet_count;
     size_t cavity_capacity, parent_capacity, carved_capacity, beyond_capacity, from_capacity, stack_capacity;
@@ -4307,7 +4307,7 @@ typedef struct pbw__scratch {
     pbw__link *edge;                                 /* 3D: by pairs of local numbers, of few or of all */
     pbw__edge *wide;                                 /* 3D: a hash table by pairs of vertices, for large cavities */
     size_t edge_capacity, wide_capacity;
-    pbw_index back[4 * 2 * PBW__FEW];                /* places in `edge`; 64 vertices have at most 124 facets */
+    pbw_index back[4 * 2 * PBW__FEW];                /* indices in `edge`; 64 vertices have at most 124 facets */
 } pbw__scratch;
 
 /* One thread's view of a triangulation. */
@@ -4503,9 +4503,9 @@ static int pbw__region_bits(size_t vertices, int dim)
 /* Regions and a tail.  A region has slots for 6 7/8 simplices a vertex in space: uniform points need 6.77, and the
    tail takes the surplus of one region in five.  In the plane each vertex makes two more triangles than it deletes,
    ghosts included, so a region needs two slots a vertex and two more for the first star.  The output moves each
-   simplex to a place in the order of lowest ranks.  About n^(2/3) of the first n ranks share simplices with higher
-   ranks, in slots of later regions.  In space the first region has spare slots for them, so that places do not get
-   ahead of the slots that are read. */
+   simplex to a position in the order of lowest ranks.  About n^(2/3) of the first n ranks share simplices with higher
+   ranks, in slots of later regions.  In space the first region has spare slots for them, so that positions do not
+   get ahead of the slots that are read. */
 static pbw_status pbw__store_create(pbw__context *context, pbw__store *store, size_t vertices, int dim)
 {
     pbw_memory *memory = &context->memory;
@@ -7407,8 +7407,8 @@ static pbw_status pbw__rounds(pbw__build *build)
 }
 /* ------------------------------------------------------------------------------------------------------
    >>number       The canonical order of the simplices.
-   In: a finished triangulation of ranks.  Out: for each slot the place of its simplex in the caller's arrays; for
-   each rank the place of its first simplex.
+   In: a finished triangulation of ranks.  Out: for each slot the position of its simplex in the caller's arrays; for
+   each rank the position of its first simplex.
 
    Canonical form of a simplex: by an even permutation of the corners, the lowest rank comes first and the lowest of
    the rest second (2D: the lowest first).  Canonical order: by the ranks of the corners, first to last.  So the
@@ -7421,24 +7421,25 @@ static pbw_status pbw__rounds(pbw__build *build)
    fourth.  In the plane the key holds the first and the second corner: one triangle lies to the left of that edge. */
 typedef struct pbw__item { uint64_t key; pbw_index simplex, last; } pbw__item;
 
-/* A simplex in canonical form, with the caller's ids and the places of its neighbours. */
+/* A simplex in canonical form, with the caller's ids and the positions of its neighbours. */
 typedef struct pbw__emitted {
-    pbw_index place, corner[4], neighbor[4];
+    pbw_index position, corner[4], neighbor[4];
 } pbw__emitted;
 
-/* Simplices that were read before their places were free.  Places free_from .. free_from+free_count-1 are free. */
+/* Simplices that were read before their positions were free.  Positions free_from .. free_from+free_count-1
+   are free. */
 typedef struct pbw__aside {
     pbw__emitted *simplex;
     size_t count, capacity, free_from, free_count;
 } pbw__aside;
 
-/* What a task keeps from pass to pass; end: its chain for others, then where its places end. */
+/* What a task keeps from pass to pass; end: its chain for others, then where its positions end. */
 typedef struct pbw__emitting { size_t end; pbw__aside aside; } pbw__emitting;
 
 #define PBW__CHAINS 16                               /* followed at a time, so that their cache misses overlap */
 #define PBW__SOON 48                                 /* distance of prefetches in arrays that are read in any order */
 #define PBW__LISTS 64                                /* sorted at a time */
-#define PBW__REACH 11                                /* a simplex may be so far from its place, in the plane */
+#define PBW__REACH 11                                /* a simplex may be so far from its position, in the plane */
 #define PBW__SHORT 48                                /* simplices of the longest list that is not a hub's */
 
 typedef struct pbw__emission {
@@ -7453,7 +7454,7 @@ typedef struct pbw__emission {
     int apart, links_apart;                          /* into new arrays */
     int packed;                                      /* into slots, with corners and links as they are, ghosts last */
     const pbw_index *id;                             /* per rank */
-    pbw_index *number;                               /* per slot: the next of its chain; then its place */
+    pbw_index *number;                               /* per slot: the next of its chain; then its position */
     pbw_index *chain;                                /* per region: the last slot of its chain */
     pbw_index *head;                                 /* per rank: the length of its list; then its first simplex */
     pbw_index *first;                                /* per rank, tasks > 1: its first simplex in earlier shares */
@@ -7792,11 +7793,11 @@ PBW__SIMD_INLINE __m256i pbw__keys4(const pbw__item *item)
     return _mm256_permute4x64_epi64(_mm256_unpacklo_epi64(a, b), 0xd8);
 }
 
-/* Writes four items to their places. */
-PBW__SIMD_INLINE void pbw__put4(const pbw__item *item, __m256i place, pbw__item *sorted)
+/* Writes four items to their positions. */
+PBW__SIMD_INLINE void pbw__put4(const pbw__item *item, __m256i position, pbw__item *sorted)
 {
     uint64_t *to = (uint64_t *)(void *)sorted, half[4];
-    _mm256_storeu_si256((__m256i *)(void *)half, _mm256_add_epi64(place, place));
+    _mm256_storeu_si256((__m256i *)(void *)half, _mm256_add_epi64(position, position));
     pbw__store4(to + half[0], pbw__load4(item));
     pbw__store4(to + half[1], pbw__load4(item + 1));
     pbw__store4(to + half[2], pbw__load4(item + 2));
@@ -7823,14 +7824,14 @@ PBW__SIMD_INLINE void pbw__sort_list_simd(const pbw__item *item, pbw_index begin
         _mm256_storeu_si256((__m256i *)(void *)(key + j), keys[j / 4]);
     }
     for (j = 0; j < all; j += 4) {
-        __m256i place = _mm256_set1_epi64x((int64_t)begin + 1);
+        __m256i position = _mm256_set1_epi64x((int64_t)begin + 1);
         for (i = 0; i < all; i += 4) {
-            place = _mm256_sub_epi64(place, _mm256_cmpgt_epi64(keys[j / 4], _mm256_set1_epi64x(key[i])));
-            place = _mm256_sub_epi64(place, _mm256_cmpgt_epi64(keys[j / 4], _mm256_set1_epi64x(key[i + 1])));
-            place = _mm256_sub_epi64(place, _mm256_cmpgt_epi64(keys[j / 4], _mm256_set1_epi64x(key[i + 2])));
-            place = _mm256_sub_epi64(place, _mm256_cmpgt_epi64(keys[j / 4], _mm256_set1_epi64x(key[i + 3])));
+            position = _mm256_sub_epi64(position, _mm256_cmpgt_epi64(keys[j / 4], _mm256_set1_epi64x(key[i])));
+            position = _mm256_sub_epi64(position, _mm256_cmpgt_epi64(keys[j / 4], _mm256_set1_epi64x(key[i + 1])));
+            position = _mm256_sub_epi64(position, _mm256_cmpgt_epi64(keys[j / 4], _mm256_set1_epi64x(key[i + 2])));
+            position = _mm256_sub_epi64(position, _mm256_cmpgt_epi64(keys[j / 4], _mm256_set1_epi64x(key[i + 3])));
         }
-        pbw__put4(item + j, j + 4 == all ? _mm256_and_si256(place, real) : place, sorted);
+        pbw__put4(item + j, j + 4 == all ? _mm256_and_si256(position, real) : position, sorted);
     }
 }
 
@@ -7851,14 +7852,14 @@ PBW__SIMD_INLINE void pbw__sort_lists2_simd(const pbw__item *item, pbw_index cou
     }
     for (i = 0; i < count; i += 4, here += 4) {      /* the surplus is overwritten by the next lists */
         const __m256i keys = _mm256_loadu_si256((const __m256i *)(const void *)here);
-        __m256i place = _mm256_add_epi64(_mm256_set1_epi64x((int64_t)i), _mm256_setr_epi64x(0, 1, 2, 3));
+        __m256i position = _mm256_add_epi64(_mm256_set1_epi64x((int64_t)i), _mm256_setr_epi64x(0, 1, 2, 3));
         for (k = 1; k <= reach; k++) {
             const __m256i before = _mm256_loadu_si256((const __m256i *)(const void *)(here - k));
             const __m256i behind = _mm256_loadu_si256((const __m256i *)(const void *)(here + k));
-            place = _mm256_add_epi64(place, _mm256_cmpgt_epi64(before, keys));
-            place = _mm256_sub_epi64(place, _mm256_cmpgt_epi64(keys, behind));
+            position = _mm256_add_epi64(position, _mm256_cmpgt_epi64(before, keys));
+            position = _mm256_sub_epi64(position, _mm256_cmpgt_epi64(keys, behind));
         }
-        pbw__put4(item + i, place, sorted);
+        pbw__put4(item + i, position, sorted);
     }
 }
 
@@ -7968,14 +7969,14 @@ PBW__INLINE void pbw__emit_follow(const pbw__emission *emission, size_t region, 
     }
 }
 
-PBW__INLINE void pbw__emit_first(pbw_index *head, pbw_index *first, pbw_index vertex, pbw_index place,
+PBW__INLINE void pbw__emit_first(pbw_index *head, pbw_index *first, pbw_index vertex, pbw_index position,
                                  pbw_index later)
 {
     if (PBW__LIKELY(later == PBW_NONE || vertex < later)) {
-        head[vertex] = place;
+        head[vertex] = position;
     } else {
         pbw_index old = PBW__LOAD(first += vertex);
-        while (place < old && !PBW__CAS(first, &old, place)) {
+        while (position < old && !PBW__CAS(first, &old, position)) {
         }
     }
 }
@@ -7985,7 +7986,7 @@ typedef struct pbw__buffers {
     pbw_index *slot;
     pbw__item *item, *sorted;
     size_t slot_capacity, item_capacity;
-    pbw_index place;                                 /* one past the last place that is still to be given */
+    pbw_index position;                              /* one past the last that is still to be given */
 } pbw__buffers;
 
 /* Numbers the simplices of a region, in `count` slots.  later: the first rank of later shares, PBW_NONE if there are
@@ -7996,8 +7997,8 @@ PBW__INLINE void pbw__emit_region(const pbw__emission *emission, pbw__buffers *b
     size_t ranks = pbw__emit_ranks(emission, region), lists = pbw__emit_ranks(emission, region + 1) - ranks, r;
     pbw_index *head = emission->head, *end = head + ranks, *first = emission->first, *number = emission->number;
     pbw__item *item = buffers->item;
-    pbw_index begin = 0, place = buffers->place;
-    buffers->place -= (pbw_index)count;
+    pbw_index begin = 0, position = buffers->position;
+    buffers->position -= (pbw_index)count;
     for (r = 0; r < lists; r++) {
         pbw_index length = end[r];
         end[r] = begin;
@@ -8015,15 +8016,15 @@ PBW__INLINE void pbw__emit_region(const pbw__emission *emission, pbw__buffers *b
     item = emission->any_order ? item : buffers->sorted + 1;
     for (r = lists; r-- > 0; ) {
         begin = r > 0 ? end[r - 1] : 0;              /* PBW_NONE if empty, branchless */
-        end[r] = (buffers->place + begin) | (0 - (pbw_index)(begin == end[r]));
+        end[r] = (buffers->position + begin) | (0 - (pbw_index)(begin == end[r]));
     }
     for (item += count; count > 0; count--) {
         item--;
-        place--;
-        number[item->simplex] = place;
-        pbw__emit_first(head, first, (pbw_index)(item->key >> 32), place, later);
-        pbw__emit_first(head, first, (pbw_index)item->key, place, later);
-        pbw__emit_first(head, first, item->last, place, later);
+        position--;
+        number[item->simplex] = position;
+        pbw__emit_first(head, first, (pbw_index)(item->key >> 32), position, later);
+        pbw__emit_first(head, first, (pbw_index)item->key, position, later);
+        pbw__emit_first(head, first, item->last, position, later);
     }
 }
 
@@ -8070,7 +8071,7 @@ static void pbw__emit_pass2(void *arg, int task)
 }
 /* ------------------------------------------------------------------------------------------------------
    >>output       From the store's simplices to the caller's arrays, in place.
-   In: the places of >>number.  Out: simplices and neighbours in canonical order, with the caller's ids; the first
+   In: the positions of >>number.  Out: simplices and neighbours in canonical order, with the caller's ids; the first
    simplex of each point; the points; their numbers along the curve.
 
    The store's arrays become the caller's: a copy beside them would be the peak of the memory.  Other arrays use
@@ -8079,22 +8080,22 @@ static void pbw__emit_pass2(void *arg, int task)
    slot its simplex and `number`, 36 bytes, and of a vertex `id` and `head`, 8 (12 with several tasks); all are needed
    from pass 2 to pass 3.
 
-   Pass 3 writes each simplex in canonical form, with ids for ranks and places for slots, from its slot to its place.
-   Slots are read in order, and most places lie before the slots, among those already read, because slots are left
-   over where simplices were deleted.  Where there are more simplices than slots in regions, places lie behind the
-   slots, which are read from the last place on to the first.  A simplex is set aside if its place is still to be
-   read; pass 4 writes these.  Tasks take the slots by chunks.  A chunk's flag in chunk_done, stored with release
-   order and loaded with acquire order, says that the chunk was read.
+   Pass 3 writes each simplex in canonical form, with ids for ranks and positions for slots, from its slot to its
+   position.  Slots are read in order, and most positions lie before the slots, among those already read, because
+   slots are left over where simplices were deleted.  Where there are more simplices than slots in regions, positions
+   lie behind the slots, which are read from the last position on to the first.  A simplex is set aside if its position
+   is still to be read; pass 4 writes these.  Tasks take the slots by chunks.  A chunk's flag in chunk_done, stored
+   with release order and loaded with acquire order, says that the chunk was read.
    ------------------------------------------------------------------------------------------------------ */
 #define PBW__CHUNK ((size_t)1 << 12)                 /* the largest */
 #define PBW__APART PBW__SMALLER(3072)                /* slots, at most, that are written to new arrays: many
                                                         would be set aside */
 
-/* Large chunks are better: the start of a chunk is not prefetched, and near slots have places in the same cache
-   lines, which tasks would share.  But a simplex is set aside if its place lies in a chunk in progress, and of points
-   uniform in space places lag behind the slots by only 1/64 of those read.  So chunks are smaller if all that threads
-   have in progress would be more than 1/256 of the slots; and small if one task has few points, where setting aside
-   costs more. */
+/* Large chunks are better: the start of a chunk is not prefetched, and near slots have positions in the same cache
+   lines, which tasks would share.  But a simplex is set aside if its position lies in a chunk in progress, and of
+   points uniform in space positions lag behind the slots by only 1/64 of those read.  So chunks are smaller if all
+   that threads have in progress would be more than 1/256 of the slots; and small if one task has few points, where
+   setting aside costs more. */
 PBW__INLINE int pbw__chunk_bits(int dim, int tasks, int threads, size_t slots)
 {
     const int least = (int)PBW__SMALLER(10);
@@ -8105,33 +8106,33 @@ PBW__INLINE int pbw__chunk_bits(int dim, int tasks, int threads, size_t slots)
     return bits;
 }
 
-/* Returns whether the slots where a place lies have been read; the array has `entries` entries a slot. */
-PBW__INLINE int pbw__emit_read(const pbw__emission *emission, size_t place, size_t entries, int dim)
+/* Returns whether the slots where a position lies have been read; the array has `entries` entries a slot. */
+PBW__INLINE int pbw__emit_read(const pbw__emission *emission, size_t position, size_t entries, int dim)
 {
-    size_t from = place * ((size_t)dim + 1), first = from / entries >> emission->chunk_bits;
+    size_t from = position * ((size_t)dim + 1), first = from / entries >> emission->chunk_bits;
     size_t last = (from + (size_t)dim) / entries >> emission->chunk_bits;
     return PBW__LOAD_ACQUIRE(emission->chunk_done + first) != 0
         && (first == last || PBW__LOAD_ACQUIRE(emission->chunk_done + last) != 0);
 }
 
-/* Returns whether a place is free: its corners and links have been read; wide links are 8 entries a slot. */
-PBW__INLINE int pbw__emit_free(const pbw__emission *emission, const pbw__aside *aside, size_t place, int dim)
+/* Returns whether a position is free: its corners and links have been read; wide links are 8 entries a slot. */
+PBW__INLINE int pbw__emit_free(const pbw__emission *emission, const pbw__aside *aside, size_t position, int dim)
 {
-    return PBW__LIKELY(place - aside->free_from < aside->free_count)
-        || (pbw__emit_read(emission, place, 4, dim)
-            && (sizeof(pbw__link) == sizeof(pbw_index) || pbw__emit_read(emission, place, 8, dim)));
+    return PBW__LIKELY(position - aside->free_from < aside->free_count)
+        || (pbw__emit_read(emission, position, 4, dim)
+            && (sizeof(pbw__link) == sizeof(pbw_index) || pbw__emit_read(emission, position, 8, dim)));
 }
 
-PBW__INLINE void pbw__emit_place(const pbw__emission *emission, const pbw__emitted *simplex, int dim)
+PBW__INLINE void pbw__emit_write(const pbw__emission *emission, const pbw__emitted *simplex, int dim)
 {
     size_t corners = (size_t)dim + 1;
-    memcpy(emission->to_corner + corners * simplex->place, simplex->corner, corners * sizeof(pbw_index));
+    memcpy(emission->to_corner + corners * simplex->position, simplex->corner, corners * sizeof(pbw_index));
     if (emission->link != NULL) {
-        memcpy(emission->to_link + corners * simplex->place, simplex->neighbor, corners * sizeof(pbw_index));
+        memcpy(emission->to_link + corners * simplex->position, simplex->neighbor, corners * sizeof(pbw_index));
     }
 }
 
-/* Writes the simplices in slots from..end-1 to their places, or sets them aside. */
+/* Writes the simplices in slots from..end-1 to their positions, or sets them aside. */
 PBW__INLINE void pbw__emit_slots_of(const pbw__emission *emission, size_t from, size_t end, pbw__aside *aside,
                                     int dim)
 {
@@ -8144,7 +8145,7 @@ PBW__INLINE void pbw__emit_slots_of(const pbw__emission *emission, size_t from, 
         if (number[t] == PBW_NONE) {
             continue;
         }
-        simplex.place = number[t];
+        simplex.position = number[t];
         order = emission->packed ? PBW__IN_ORDER : pbw__canonical_order(v, dim);
         for (k = 0; k <= (unsigned)dim; k++) {
             const pbw_index corner = v[order >> 2 * k & 3];
@@ -8155,8 +8156,8 @@ PBW__INLINE void pbw__emit_slots_of(const pbw__emission *emission, size_t from, 
             const pbw_index next = number[link >> 2];
             simplex.neighbor[k] = emission->packed ? 4 * next + (pbw_index)(link & 3) : next;
         }
-        if (pbw__emit_free(emission, aside, simplex.place, dim)) {
-            pbw__emit_place(emission, &simplex, dim);
+        if (pbw__emit_free(emission, aside, simplex.position, dim)) {
+            pbw__emit_write(emission, &simplex, dim);
         } else {
             aside->simplex[aside->count++] = simplex;
         }
@@ -8212,7 +8213,7 @@ PBW__SIMD_INLINE void pbw__emit_slots_simd_of(const pbw__emission *emission, siz
     }
     for (n = 0; n < used; n++) {
         const size_t t = slot[n], soon = slot[n + PBW__SOON];
-        const pbw_index *v = corner + 4 * t, place = number[t];
+        const pbw_index *v = corner + 4 * t, position = number[t];
         pbw__i4 lanes, ids, neighbors = { 0, 0, 0, 0 };
         if (n % 4 == 0) {                            /* slots in a cache line */
             PBW__PREFETCH_STREAM(corner, 4 * t, 4 * emission->slot_count);
@@ -8239,14 +8240,14 @@ PBW__SIMD_INLINE void pbw__emit_slots_simd_of(const pbw__emission *emission, siz
             ids = pbw__permute4(ids, lanes);
             neighbors = pbw__permute4(neighbors, lanes);
         }
-        if (pbw__emit_free(emission, &free, place, dim)) {
-            pbw__emit_entries(to_corner + corners * place, ids, dim);
+        if (pbw__emit_free(emission, &free, position, dim)) {
+            pbw__emit_entries(to_corner + corners * position, ids, dim);
             if (links) {
-                pbw__emit_entries(to_link + corners * place, neighbors, dim);
+                pbw__emit_entries(to_link + corners * position, neighbors, dim);
             }
         } else {
             pbw__emitted *simplex = free.simplex + count++;
-            simplex->place = place;
+            simplex->position = position;
             pbw__store4(simplex->corner, ids);
             pbw__store4(simplex->neighbor, neighbors);
         }
@@ -8277,14 +8278,14 @@ static void pbw__emit_slots(const pbw__emission *emission, size_t from, size_t e
     PBW__BY_DIM(emission->dim, pbw__emit_slots_of, emission, from, end, aside);
 }
 
-/* Writes the simplices set aside if their places are free. */
+/* Writes the simplices set aside if their positions are free. */
 PBW__INLINE void pbw__emit_aside(const pbw__emission *emission, pbw__aside *aside, int dim)
 {
     size_t i;
     for (i = aside->count; i-- > 0; ) {
         pbw__emitted *simplex = aside->simplex + i;
-        if (pbw__emit_free(emission, aside, simplex->place, dim)) {
-            pbw__emit_place(emission, simplex, dim);
+        if (pbw__emit_free(emission, aside, simplex->position, dim)) {
+            pbw__emit_write(emission, simplex, dim);
             *simplex = aside->simplex[--aside->count];
         }
     }
@@ -8314,7 +8315,7 @@ static void pbw__emit_pass3(void *arg, int task)
     pbw__emission *emission = (pbw__emission *)arg;
     const size_t size = (size_t)1 << emission->chunk_bits, corners = (size_t)emission->dim + 1;
     const size_t chunks = (emission->slot_count + size - 1) / size, simplices = emission->simplex_count;
-    /* The first `turned` chunks are read backwards; wide links of a place lie in half as many slots. */
+    /* The first `turned` chunks are read backwards; wide links of a position lie in half as many slots. */
     const int ahead = simplices > emission->store->region_slots && sizeof(pbw__link) == sizeof(pbw_index);
     const size_t turned = ahead ? (simplices + size - 1) / size : 0;
     size_t next, done = 0;

@@ -25,10 +25,10 @@ function guess_up() {
       if (side > 0.97 * all && at(c[0], k) < bottom[k] + 0.03 * extent[k]) base[k] += side / 2;
     }
   }
-  const stands = [0, 1, 2].map(k => base[k] * extent[k] / Math.max(1e-30, wide * tall * deep));
-  return stands[1] > 0.05 && stands[1] > 1.5 * stands[2] || tall < 0.4 * Math.min(wide, deep) && tall > 0 ? 1 : 2;
+  const steady = [0, 1, 2].map(k => base[k] * extent[k] / Math.max(1e-30, wide * tall * deep));
+  return steady[1] > 0.05 && steady[1] > 1.5 * steady[2] || tall < 0.4 * Math.min(wide, deep) && tall > 0 ? 1 : 2;
 }
-const has_skin = dim === 3 && count + triangle_count > 0;
+const has_facets = dim === 3 && count + triangle_count > 0;
 let UP, SIDE, FRONT, home, parallel = false, moved = false;
 const EYES = [[1, 0.5, 0.5], [0.55, 0.5, 1], [0.55, -1, 0.5]], FACES = [[1, 0, 0], [0, 0, 1], [0, -1, 0]];
 const given_up = lens.slice(7, 10), has_up = Math.hypot(...given_up) > 0, has_eye = Math.hypot(...EYE) > 0;
@@ -145,7 +145,7 @@ function reset() {
   if (dim === 2) set_relief(number('relief'));
   $('explode').value = 0; $('size').value = 1; $('cap').value = given.cap;
   $('draw').value = count || triangle_count ? 3 : 4;
-  $('plain').checked = has_skin && given.plain === '1';
+  $('plain').checked = has_facets && given.plain === '1';
   set_body();
   fit();
   set_array(array);

@@ -20,7 +20,7 @@ function reader(raw) {
   };
 }
 
-// Points are numbered as corners meet them: 0 stands for one that is new, d for the d-th last.
+// Points are numbered as corners meet them: 0 is a new one, d the d-th last.
 function read_corners() {
   const number = reader(bytes($('corners'))), corner = new Uint32Array(rows(count, 4));
   let next = 0;

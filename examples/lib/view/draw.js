@@ -5,7 +5,7 @@ let trouble = gl ? '' : 'no WebGL 2 here';
 // All that goes in is the number of a vertex: shaders fetch what they need from textures, 4096 texels a row.
 const HEAD = `#version 300 es
 precision highp float; precision highp int; precision highp sampler2D; precision highp usampler2D;
-uniform mat4 camera; uniform mat3 axes; uniform vec3 skin, ink; uniform vec4 plane;
+uniform mat4 camera; uniform mat3 axes; uniform vec3 surface, ink; uniform vec4 plane;
 uniform int n, of, classes, plain, draw, clip, lit, grouped, dark;
 uniform uint bit, layer; uniform float explode, size;
 uniform sampler2D points, values, colours; uniform usampler2D corners, ids;
@@ -83,7 +83,7 @@ void main() {
 const COLOUR = `
 const vec3 LIGHT = vec3(-0.436, 0.533, 0.726);
 vec3 colour(float x) {
-  if (x < 0.0) return skin;
+  if (x < 0.0) return surface;
   int i = classes == 1 ? int(x) & 255 : int(min(x, 1.0) * 255.0 + 0.5);
   return texelFetch(colours, ivec2(i, classes), 0).rgb;
 }
@@ -98,7 +98,7 @@ void main() {
     : value.z;
   x = min(value.x, min(value.y, value.z)) < 0.0 ? -1.0 : x;
   bool bare = plain == 1 && bared == 0;
-  vec3 c = bare ? skin : colour(x), m = normal * axes;
+  vec3 c = bare ? surface : colour(x), m = normal * axes;
   float bright = max(dot(m.z < 0.0 ? -m : m, LIGHT), 0.0);
   c *= lit == 0 ? 1.0 : bare || n == 3 ? 0.44 + 0.64 * bright : 0.72 + 0.34 * bright;
   vec3 w = max(fwidth(edge), vec3(1e-9)), d = edge / w;
@@ -279,7 +279,7 @@ const hex = text => [1, 3, 5].map(i => parseInt(text.slice(i, i + 2), 16) / 255)
 const bind = (unit, what) => { gl.activeTexture(gl.TEXTURE0 + unit); gl.bindTexture(gl.TEXTURE_2D, what); };
 function uniforms(view) {
   return { camera: new Float32Array(view.matrix), axes: new Float32Array([...view.right, ...view.up, ...view.eye]),
-    skin: hex(css('--skin')), ink: [0.04, 0.07, 0.11], plane: [...normal, offset], n, dark: 0,
+    surface: hex(css('--surface')), ink: [0.04, 0.07, 0.11], plane: [...normal, offset], n, dark: 0,
     of: array.of_facets ? 2 : +array.of_points,
     classes: +array.classes, plain: +$('plain').checked, draw: number('draw'), clip: 0, lit: +!flat,
     grouped: +grouped,
@@ -296,9 +296,9 @@ function draw_scene(values, facet, cap, dot) {
     return;
   }
   if (as_model()) {                                     // point values colour it; those of simplices do not
-    const cutting = !flat && number('cut') < 1, skin = values.plain || !array.of_points;
+    const cutting = !flat && number('cut') < 1, one_colour = values.plain || !array.of_points;
     bind(3, triangle_texture); bind(4, face_texture);
-    use(facet, { ...values, n: 3, layer: 2, plain: +skin, clip: +cutting, bit: 4 * triangle_count + 4 });
+    use(facet, { ...values, n: 3, layer: 2, plain: +one_colour, clip: +cutting, bit: 4 * triangle_count + 4 });
     gl.drawArrays(gl.TRIANGLES, 0, 3 * triangle_count);
     bind(3, corner_texture); bind(4, id_texture);
     if (!cutting || dim === 2) return;

@@ -1,4 +1,4 @@
-// What stands beside and over the picture: numbers at the controls, axes, the scale bar, what is picked.
+// What is beside and over the picture: numbers at the controls, axes, the scale bar, what is picked.
 const place_sign = () => number('axis') < 3 && normal[number('axis')] < 0 ? -1 : 1;
 const put = (id, text) => { if (document.activeElement !== $(id)) $(id).value = text; };
 function show_numbers() {

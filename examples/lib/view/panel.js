@@ -198,7 +198,7 @@ $('show').options[1].textContent = $('cut-what').textContent = simplex[1];
 $('sites').parentNode.hidden = !grouped;
 if (!count) document.querySelectorAll('.mesh').forEach(x => { x.hidden = true; });
 if (!count || dim === 2) document.querySelectorAll('.solid').forEach(x => { x.hidden = true; });
-$('plain').parentNode.hidden = !has_skin;
+$('plain').parentNode.hidden = !has_facets;
 document.querySelector('.relief').hidden = flat || space === 3;
 if (flat) document.querySelectorAll('.cut').forEach(x => { x.hidden = true; });
 if (!count && !triangle_count) $('draw').parentNode.hidden = true;

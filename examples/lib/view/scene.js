@@ -1,7 +1,7 @@
 // Scene: which simplices, faces and points are drawn, from cut, limits, body and mode.  In: the controls; out: ids,
 // facets, cut_ids, caps, shown.
 
-function limit(id) {                                    // the value that a slider stands for
+function limit(id) {                                    // the value of a slider
   const x = off_scale(array, number(id));
   return array.integer ? Math.round(x) : x;
 }
