@@ -283,7 +283,7 @@ static int run(job *j)
     seeding seeds;
     size_t i;
     sizing sizes;
-    int failed = load_sizes(j, 0);
+    int failed = load_sizes(j, "--size", 0);
     failed = failed ? failed : complete_faces(j);
     if (failed) {
         return failed;
@@ -319,7 +319,7 @@ static int run(job *j)
         return failed;
     }
     status = pbw_fill(&input, &how, &j->build, &filled, &report);
-    pbw_surface_free(&sizes.surface);
+    free_sizes(&sizes);
     if (status != PBW_OK) {
         free_seeds(&seeds);
         return refuse(j, status, &report);
