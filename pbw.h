@@ -8083,9 +8083,9 @@ static void pbw__emit_pass2(void *arg, int task)
    Pass 3 writes each simplex in canonical form, with ids for ranks and positions for slots, from its slot to its
    position.  Slots are read in order, and most positions lie before the slots, among those already read, because
    slots are left over where simplices were deleted.  Where there are more simplices than slots in regions, positions
-   lie behind the slots, which are read from the last position on to the first.  A simplex is set aside if its position
-   is still to be read; pass 4 writes these.  Tasks take the slots by chunks.  A chunk's flag in chunk_done, stored
-   with release order and loaded with acquire order, says that the chunk was read.
+   lie behind the slots, which are read from the last position on to the first.  A simplex is set aside if its
+   position is still to be read; pass 4 writes these.  Tasks take the slots by chunks.  A chunk's flag in chunk_done,
+   stored with release order and loaded with acquire order, says that the chunk was read.
    ------------------------------------------------------------------------------------------------------ */
 #define PBW__CHUNK ((size_t)1 << 12)                 /* the largest */
 #define PBW__APART PBW__SMALLER(3072)                /* slots, at most, that are written to new arrays: many
