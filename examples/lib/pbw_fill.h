@@ -246,7 +246,6 @@ typedef struct pbwfill__face {             /* at the boundary of a cavity */
     pbw_index wall;
     int side;                              /* of the facet's plane */
     pbw_index tet, corner;                 /* that fills the cavity here */
-    double low[3], high[3];
 } pbwfill__face;
 
 typedef struct pbwfill__work {
@@ -271,6 +270,7 @@ typedef struct pbwfill__work {
     PBW_ARRAY(uint32_t) seen;              /* of each tetrahedron, against `epoch` */
     uint32_t epoch;
     PBW_ARRAY(unsigned char) touched;      /* of each vertex: its star has changed */
+    PBW_ARRAY(unsigned char) beyond;       /* of each vertex: which faces of a tetrahedron it is beyond */
     pbwfill__indices corners;              /* of the triangles: canonical points */
     PBW_ARRAY(pbwfill__edge) edges;
     pbwfill__indices sides;                /* 3 t + k: the side of triangle t across from its corner k */
@@ -510,7 +510,8 @@ static void pbwfill__link(pbwfill__work *w, pbw_index t, unsigned i, pbw_index u
 static int pbwfill__new_vertex(pbwfill__work *w, const double p[3])
 {
     if (!PBW_RESERVE(&w->memory, w->x, 3) || !PBW_PUSH(&w->memory, w->at, PBW_NONE)
-        || !PBW_PUSH(&w->memory, w->touched, 0) || !PBW_PUSH(&w->memory, w->sign, 0)
+        || !PBW_PUSH(&w->memory, w->touched, 0) || !PBW_PUSH(&w->memory, w->beyond, 0)
+        || !PBW_PUSH(&w->memory, w->sign, 0)
         || !PBW_PUSH(&w->memory, w->seen_vertex, 0)) {
         return 0;
     }
@@ -581,6 +582,7 @@ static pbw_status pbwfill__make_vertices(pbwfill__work *w)
         return status;
     }
     if (!PBW_FIT(&w->memory, w->x, 3 * count) || !PBW_ZEROS(&w->memory, w->touched, count)
+        || !PBW_ZEROS(&w->memory, w->beyond, count)
         || !PBW_ZEROS(&w->memory, w->sign, count) || !PBW_ZEROS(&w->memory, w->seen_vertex, count)
         || !PBW_ZEROS(&w->memory, w->at, count)) {
         return PBW_ERROR_MEMORY;
@@ -1424,23 +1426,33 @@ static int pbwfill__meets(const pbwfill__work *w, pbw_index p, pbw_index q, cons
     return !low || !high;
 }
 
+/* In `beyond`: bits 0 to 2 and BEHIND are for the faces of a tetrahedron v d, across from v[0] to v[2] and from d: that
+   the vertex is strictly beyond, or a corner of it. */
+enum { PBWFILL__BEHIND = 8, PBWFILL__CANDIDATE = 16 };
+
 /* Whether the tetrahedron of a face and vertex d meets a face of the given side otherwise than the faces of a
-   triangulation do. */
-static int pbwfill__is_blocked(const pbwfill__work *w, const pbw_index v[3], pbw_index d, int side)
+   triangulation do.  It does not where all corners of that are beyond one of its faces, or corners of it. */
+static int pbwfill__is_blocked(pbwfill__work *w, const pbw_index v[3], pbw_index d, int side)
 {
-    const double *x = pbwfill__at(w, d);
-    double low[3], high[3];
     size_t i;
     int k, j;
-    for (k = 0; k < 3; k++) {
-        const double p = pbwfill__at(w, v[0])[k], q = pbwfill__at(w, v[1])[k], r = pbwfill__at(w, v[2])[k];
-        low[k] = fmin(fmin(p, q), fmin(r, x[k]));
-        high[k] = fmax(fmax(p, q), fmax(r, x[k]));
+    for (i = 0; i < w->rest.count; i++) {
+        const pbw_index u = w->rest.at[i];
+        unsigned char *bits = w->beyond.at + u;
+        *bits &= PBWFILL__BEHIND | PBWFILL__CANDIDATE;
+        if (u == d || u == v[0] || u == v[1] || u == v[2]) {
+            *bits = u == d ? 7 : u == v[0] ? 14 : u == v[1] ? 13 : 11;
+            continue;
+        }
+        for (k = 0; k < 3; k++) {
+            const int turn = pbwfill__orient(w, k == 0 ? u : v[0], k == 1 ? u : v[1], k == 2 ? u : v[2], d);
+            *bits |= (unsigned char)((turn < 0) << k);
+        }
     }
     for (i = 0; i < w->faces.count; i++) {
         const pbwfill__face *f = w->faces.at + i;
-        if (f->side != side || f->low[0] > high[0] || f->low[1] > high[1] || f->low[2] > high[2]
-            || f->high[0] < low[0] || f->high[1] < low[1] || f->high[2] < low[2]) {
+        const unsigned char *bits = w->beyond.at;
+        if (f->side != side || (bits[f->v[0]] & bits[f->v[1]] & bits[f->v[2]] & 15) != 0) {
             continue;
         }
         for (k = 0; k < 3; k++) {
@@ -1461,21 +1473,30 @@ static int pbwfill__is_blocked(const pbwfill__work *w, const pbw_index v[3], pbw
     return 0;
 }
 
-/* The corner for the tetrahedron at a face, among w->rest; PBW_NONE if there is none. */
-static pbw_index pbwfill__choose_corner(const pbwfill__work *w, const pbw_index v[3], int side)
+/* The corner for the tetrahedron at a face, among w->rest: of those from which the sphere through the face holds no
+   better one, the first that is not blocked; PBW_NONE if there is none. */
+static pbw_index pbwfill__choose_corner(pbwfill__work *w, const pbw_index v[3], int side)
 {
-    pbw_index best = PBW_NONE;
+    pbw_index best;
     size_t i;
     for (i = 0; i < w->rest.count; i++) {
         const pbw_index d = w->rest.at[i];
-        if (w->sign.at[d] * side < 0 || d == v[0] || d == v[1] || d == v[2]
-            || pbwfill__orient(w, v[0], v[1], v[2], d) <= 0
-            || (best != PBW_NONE && !pbw_conflict3(pbwfill__at(w, v[0]), pbwfill__at(w, v[1]), pbwfill__at(w, v[2]),
-                                                   pbwfill__at(w, best), pbwfill__at(w, d), NULL))) {
-            continue;
-        }
-        best = pbwfill__is_blocked(w, v, d, side) ? best : d;
+        const int turn = pbwfill__orient(w, v[0], v[1], v[2], d);
+        w->beyond.at[d] = turn < 0 ? PBWFILL__BEHIND : turn > 0 && w->sign.at[d] * side >= 0 ? PBWFILL__CANDIDATE : 0;
     }
+    do {
+        best = PBW_NONE;
+        for (i = 0; i < w->rest.count; i++) {
+            const pbw_index d = w->rest.at[i];
+            if ((w->beyond.at[d] & PBWFILL__CANDIDATE) == 0) {
+                continue;
+            }
+            if (best == PBW_NONE || pbw_conflict3(pbwfill__at(w, v[0]), pbwfill__at(w, v[1]), pbwfill__at(w, v[2]),
+                                                  pbwfill__at(w, best), pbwfill__at(w, d), NULL)) {
+                best = d;
+            }
+        }
+    } while (best != PBW_NONE && pbwfill__is_blocked(w, v, best, side));
     return best;
 }
 
@@ -1748,15 +1769,8 @@ static int pbwfill__list_faces(pbwfill__work *w)
             f.wall = tet->wall[k];
             f.tet = PBW_NONE;
             for (j = 0; j < 3; j++) {
-                const double *x;
-                int c;
                 f.v[j] = tet->v[PBW_FACET_CORNER(k, 2 - j)];
                 f.side = w->sign.at[f.v[j]] != 0 ? w->sign.at[f.v[j]] : f.side;
-                x = pbwfill__at(w, f.v[j]);
-                for (c = 0; c < 3; c++) {
-                    f.low[c] = j == 0 ? x[c] : fmin(f.low[c], x[c]);
-                    f.high[c] = j == 0 ? x[c] : fmax(f.high[c], x[c]);
-                }
             }
             f.back = f.outside == PBW_NONE ? 0 : pbwfill__across(w->tets.at + f.outside, f.v);
             if (!PBW_PUSH(&w->memory, w->faces, f)) {
@@ -2111,18 +2125,6 @@ static int pbwfill__find_wedges(pbwfill__work *w, pbwfill__star *star)
     return 1;
 }
 
-static void pbwfill__bound_face(const pbwfill__work *w, pbwfill__face *f)
-{
-    int c, j;
-    for (j = 0; j < 3; j++) {
-        const double *x = pbwfill__at(w, f->v[j]);
-        for (c = 0; c < 3; c++) {
-            f->low[c] = j == 0 ? x[c] : fmin(f->low[c], x[c]);
-            f->high[c] = j == 0 ? x[c] : fmax(f->high[c], x[c]);
-        }
-    }
-}
-
 /* Lists the faces across from v, and the sectors. */
 static int pbwfill__list_star(pbwfill__work *w, pbwfill__star *star)
 {
@@ -2147,7 +2149,6 @@ static int pbwfill__list_star(pbwfill__work *w, pbwfill__star *star)
                 f.wall = tet->wall[k];
                 f.side = wedge;
                 f.tet = PBW_NONE;
-                pbwfill__bound_face(w, &f);
                 if (!PBW_PUSH(&w->memory, w->faces, f)) {
                     return 0;
                 }
@@ -2277,7 +2278,6 @@ static int pbwfill__close_wedges(pbwfill__work *w, pbwfill__star *star)
             f.outside = f.tet = PBW_NONE;
             f.wall = s->triangle;
             f.side = s->wedge;
-            pbwfill__bound_face(w, &f);
             if (!PBW_PUSH(&w->memory, w->faces, f)) {
                 return 0;
             }
@@ -3826,6 +3826,7 @@ static void pbwfill__release(pbwfill__work *w)
     PBW_RELEASE(m, w->at);
     PBW_RELEASE(m, w->seen);
     PBW_RELEASE(m, w->touched);
+    PBW_RELEASE(m, w->beyond);
     PBW_RELEASE(m, w->corners);
     PBW_RELEASE(m, w->edges);
     PBW_RELEASE(m, w->sides);
