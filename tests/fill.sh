@@ -2,7 +2,7 @@
 # fill.sh FOLDER: surfaces that FOLDER/pbw reads from .poly and .smesh and fills, beside TetGen, and what Gmsh,
 # CalculiX and FreeFem++ say of the files, each where it is installed.
 bin=$(cd "$1" && pwd)
-pbw=$bin/pbw work=$bin/fill
+pbw=$bin/pbw work=$bin/fills
 . tests/check.sh
 cd "$work" || exit 2
 has() { command -v "$1" > /dev/null; }
@@ -167,5 +167,68 @@ if has tetgen; then
     check "TetGen has the same volumes and areas" same
 else
     skip "tetgen: not installed"
+fi
+
+# Gmsh writes the groups again as .msh of version 2, of which the volumes and areas are as they must be.
+"$pbw" fill whole.poly --size 1.5 --target 10 --quiet -o read.msh -o read.inp -o read.mesh
+of_gmsh() {
+    gmsh read.msh -0 -v 1 -format msh2 -o again.msh || return 1
+    awk '/^\$Nodes/ { part = 1; next } /^\$Elements/ { part = 2; next } /^\$/ { part = 0 }
+        part == 1 && NF == 4 { print > "again.node" }
+        part == 2 && $2 == 4 { print $1, $(NF - 3), $(NF - 2), $(NF - 1), $NF, $4 > "again.ele" }
+        part == 2 && $2 == 2 { print $1, $(NF - 2), $(NF - 1), $NF, $4 > "again.face" }' again.msh
+    for ending in node ele face; do
+        (echo head; cat again.$ending) > again && mv again again.$ending
+    done
+    volumes again && areas again && volumes again | cmp - volumes && areas again | cmp - areas
+}
+if has gmsh; then
+    check "Gmsh reads regions and groups of facets" of_gmsh
+else
+    skip "gmsh: not installed"
+fi
+
+# FreeFem++: the integrals of 1 over each region and group of facets.
+of_freefem() {
+    {
+        printf 'load "msh3"\nmesh3 Th = readmesh3("read.mesh"); cout.precision(8);\n'
+        for region in 10 20; do
+            printf 'cout << "volume %s " << int3d(Th, %s)(1.) << endl;\n' $region $region
+        done
+        for group in 1 2 3 4 5 6 9; do
+            printf 'cout << "area %s " << int2d(Th, %s)(1.) << endl;\n' $group $group
+        done
+    } > read.edp
+    FreeFem++ -nw -v 0 read.edp > freefem 2>&1
+    cat freefem
+    awk '{ printf "%s %.5f\n", $1, $2 }' volumes areas > due
+    awk '/^volume|^area/ { printf "%s %.5f\n", $2, $3 }' freefem | cmp - due
+}
+export FF_LOADPATH=/usr/lib/freefem++
+echo 'load "msh3"' > load.edp
+if has FreeFem++ && FreeFem++ -nw -v 0 load.edp > /dev/null 2>&1; then
+    check "FreeFem++ reads regions and groups of facets" of_freefem
+else
+    skip "freefem++: it or its module msh3 is not installed"
+fi
+
+# CalculiX: the pressure 1 on the facets of group 1, the bottom with its hole, is carried to the top as the force 23.
+of_ccx() {
+    {
+        printf '*INCLUDE, INPUT=read.inp\n*MATERIAL, NAME=A\n*ELASTIC\n1000,0.3\n'
+        printf '*MATERIAL, NAME=B\n*ELASTIC\n10,0.3\n'
+        printf '*SOLID SECTION, ELSET=group_10, MATERIAL=A\n*SOLID SECTION, ELSET=group_20, MATERIAL=B\n'
+        printf '*BOUNDARY\ngroup_2,1,3\n*STEP\n*STATIC\n*DSLOAD\ngroup_1,P,1\n'
+        printf '*NODE PRINT, NSET=group_2, TOTALS=ONLY\nRF\n*END STEP\n'
+    } > force.inp
+    rm -f force.dat
+    OMP_NUM_THREADS=1 ccx force
+    awk 'NF == 3 && $1 + 0 == $1 { f = sqrt($1 * $1 + $2 * $2 + $3 * $3) }
+         END { print f; exit !(f > 22.9999 && f < 23.0001) }' force.dat
+}
+if has ccx; then
+    check "CalculiX reads regions and groups of facets" of_ccx
+else
+    skip "calculix-ccx: not installed"
 fi
 finish
