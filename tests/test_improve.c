@@ -1048,6 +1048,58 @@ static void test_blocks(void)
     test_end();
 }
 
+/* New memory is all ones: as doubles, no numbers. */
+static void *resize_to_ones(void *user, void *ptr, size_t old_size, size_t new_size)
+{
+    char *block = new_size > 0 ? (char *)malloc(new_size) : NULL;
+    (void)user;
+    if (block != NULL) {
+        memset(block, 0xff, new_size);
+        memcpy(block, ptr != NULL ? ptr : block, ptr == NULL ? 0 : old_size < new_size ? old_size : new_size);
+    }
+    if (block != NULL || new_size == 0) {
+        free(ptr);
+    }
+    return block;
+}
+
+/* A mesh that gets its first blocks after points were inserted, in a frozen surface: places are numbers. */
+static void test_growth(void)
+{
+    const size_t count = 1500;
+    double *x = ball_points(count, 0);
+    unsigned char marks[1500] = { 0 };
+    pbw_options options;
+    pbw_improve_options how;
+    pbw_improve_report report;
+    pbw_mesh mesh;
+    pbw_tets in, out;
+    size_t i;
+    if (!test_begin("growth in a frozen surface")) {
+        free(x);
+        return;
+    }
+    memset(&mesh, 0, sizeof mesh);
+    memset(&options, 0, sizeof options);
+    memset(&how, 0, sizeof how);
+    how.passes = 5;
+    how.target = 40;
+    options.resize = resize_to_ones;
+    CHECK_EQUAL(pbw_triangulate(3, x, NULL, count, NULL, &mesh), PBW_OK);
+    in = view(&mesh);
+    for (i = 0; i < count; i++) {
+        marks[i] = i % 2 == 0 ? PBW_TETS_FROZEN : PBW_TETS_FOUND;
+    }
+    in.marks = marks;
+    CHECK_EQUAL(pbw_improve(&in, &how, &options, &out, &report), PBW_OK);
+    CHECK(is_sound(&out) && report.insertions > 600);
+    test_say("%zu to %zu tetrahedra, %zu insertions", in.tet_count, out.tet_count, report.insertions);
+    pbw_tets_free(&out);
+    pbw_free(&mesh);
+    free(x);
+    test_end();
+}
+
 /* Patches and edges: the same bytes for any number of threads, after each allocation that fails, and at 30 levels of
    options.memory_limit, of which a call holds no more. */
 static void test_labelled(void)
@@ -1239,5 +1291,6 @@ int main(int argc, char **argv)
     test_failures();
     test_labelled();
     test_blocks();
+    test_growth();
     return test_finish();
 }

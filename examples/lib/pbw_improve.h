@@ -3225,6 +3225,8 @@ static pbw_status pbwim__smooth_all(pbwim__mesh *m, const pbw_improve_options *h
     if (pbwim__set_colours(&s)) {
         status = pbwim__rounds(&s, how->rounds, how->passes < 0 ? 1 : 0.5);
     }
+    memset(m->tried.at, 0, m->tets * sizeof *m->tried.at);               /* all has moved since passes for sizes */
+    memset(m->failed.at, 0, m->points * sizeof *m->failed.at);
     PBW_RELEASE(&m->memory, s.stars);
     PBW_RELEASE(&m->memory, s.first);
     PBW_RELEASE(&m->memory, s.order);
@@ -3536,6 +3538,7 @@ static void pbwim__begin_task(pbwim__mesh *m, pbwim__task *task)
         point = m->points;
         task->point_end = m->points += points;
         for (p = point; p < task->point_end; p++) {
+            memcpy(m->x.at[p], m->x.at[0], sizeof m->x.at[p]);               /* curves may pass before it is used */
             m->star.at[p] = m->original.at[p] = PBW_NONE;
             m->touched.at[p] = m->failed.at[p] = 0;
             m->mark.at[p] = PBW_TETS_FOUND;
