@@ -3447,6 +3447,7 @@ struct wide_launch : rung_launch {
     store in;                                        /* what earlier rungs have made */
     uint32_t stride;
     unsigned long long *steps;                       /* the sum over all stars, or NULL */
+    long long cycles;                                /* a star that takes longer is lost; 0: no limit */
 };
 
 /* A star of these rungs while its warp builds it. */
@@ -3588,6 +3589,7 @@ __global__ void __launch_bounds__(32 * RUNG::warps, RUNG::blocks) wide_kernel(co
         wide_state<RUNG> n = { w, a, w.s.scratch, w.s.scratch + RUNG::room,
                                { &a.w.all, v, walls_of<3>(a.w.all, a.w.all.point[v]), digits },
                                lane, 0, 4, 0, { none, {} }, 0.0f, 0 };
+        const long long start = a.cycles > 0 ? clock64() : 0;
         const bool started = start_wide(n);
         bool lost = !started;
         int spent = 0;
@@ -3600,7 +3602,8 @@ __global__ void __launch_bounds__(32 * RUNG::warps, RUNG::blocks) wide_kernel(co
             } else {
                 search_obbs(n);
             }
-            lost = lost || spent > a.cap || ((spent & 63) == 0 && any(*a.w.out.stop != 0));
+            lost = lost || spent > a.cap || ((spent & 63) == 0 && any(*a.w.out.stop != 0))
+                || (a.cycles > 0 && any(clock64() - start > a.cycles));
         }
         if (a.steps != NULL && lane == 0) {
             atomicAdd(a.steps, (unsigned long long)spent);
@@ -3611,9 +3614,11 @@ __global__ void __launch_bounds__(32 * RUNG::warps, RUNG::blocks) wide_kernel(co
     }
 }
 
-/* Steps for a star of a sample on the rungs for surfaces: the cap, and the largest average that is not declined. */
+/* Steps for a star of a sample on the rungs for surfaces: the cap, and the largest average that is not declined.
+   With exact tests, as of cospherical points, a step takes 100 times as long: so cycles have a cap, too, 3 ms. */
 const int sample_cap = 384;
 const unsigned long long most_steps = 128;
+const long long sample_cycles = 6000000;
 
 /* Builds the tree of OBBs, one level after another, in an array that is large enough for all. */
 obb_tree build_obb_tree(call &c, const space &s, obb *room)
@@ -3650,6 +3655,7 @@ bool sample_stays_cheap(call &c, wide_launch a)
 {
     a.stride = a.w.out.size() / sample_size;
     a.steps = a.w.seed + 4;
+    a.cycles = sample_cycles;
     clear_stars(c, a.w);
     launch_near<3, false, false>(c, a.w, a.w.out.first, a.stride, sample_size, true);
     fill(c, a.steps, 0, 1);
@@ -3680,7 +3686,7 @@ bool build_wide_stars(call &c, star_build &w, const obb_tree &obbs)
 {
     const uint32_t mine = w.out.size(), limit = 128 + mine / 16;
     const unsigned long long enough = (unsigned long long)mine * 15 + 4096;
-    wide_launch a = { { w, NULL, 0, 0, 0, NULL, NULL, w.q[0] }, obbs, w.out, 1, NULL };
+    wide_launch a = { { w, NULL, 0, 0, 0, NULL, NULL, w.q[0] }, obbs, w.out, 1, NULL, 0 };
     find_seeds<3>(c, w);
     if (!sample_stays_cheap(c, a)) {
         return false;
@@ -3729,6 +3735,8 @@ void set_part(call &c, star_build &w)
     c.stars = w.out.size();
 }
 
+const uint32_t sphere_sample = 256;
+
 /* Shares the points, grows the tree, and allocates what the rungs need. */
 void open_star_build(call &c, star_build &w, int dim)
 {
@@ -3762,11 +3770,55 @@ void open_star_build(call &c, star_build &w, int dim)
            w.out.first / group_size + groups, w.lists, w.infos);
 }
 
+/* Raises `off` to how far points of a sample are from the sphere of four of them, in parts of its radius. */
+__global__ void sphere_kernel(const __grid_constant__ space s, int *off)
+{
+    __shared__ double x[sphere_sample][3];
+    const size_t i = threadIdx.x, stride = s.count / sphere_sample;
+    double row[3][3], half[3], normal[3][3], centre[3], square = 0.0, from = 0.0;
+    for (int k = 0; k < 3; k++) {
+        x[i][k] = in_units(s, s.point[i * stride], k);
+    }
+    __syncthreads();
+    for (int k = 0; k < 9; k++) {
+        row[k / 3][k % 3] = x[(k / 3 + 1) * (sphere_sample / 4)][k % 3] - x[0][k % 3];
+    }
+    for (int j = 0; j < 3; j++) {
+        half[j] = 0.5 * product(row[j], row[j]);
+        cross(row[(j + 1) % 3], row[(j + 2) % 3], normal[j]);
+    }
+    for (int k = 0; k < 3; k++) {
+        centre[k] = (half[0] * normal[0][k] + half[1] * normal[1][k] + half[2] * normal[2][k])
+                  / product(row[0], normal[0]);
+        const double to = x[i][k] - x[0][k] - centre[k];
+        square += centre[k] * centre[k];
+        from += to * to;
+    }
+    const float part = (float)(fabs(sqrt(from) - sqrt(square)) / sqrt(square));
+    atomicMax(off, __float_as_int(part < 1.0f ? part : 1.0f));
+}
+
+/* Returns whether points are on a sphere, or so near to one that most of them are in doubt of being in the sphere of
+   a simplex.  n points leave gaps of some 4 pi R^2 / n; there the sphere is pi R / 2 n higher than a plane. */
+bool is_sphere(call &c, const space &s)
+{
+    buffer<int> off(c, 1);
+    fill(c, off.at, 0, 1);
+    launch(c, "sphere", sphere_kernel, shape{ 1, sphere_sample, 0 }, s, off.at);
+    const int bits = read_back(c, off.at, PBW_STAGE_BUILD, 0.0);
+    float part;
+    memcpy(&part, &bits, sizeof part);
+    return (double)part * (double)s.count < 0.05 * 1.57;
+}
+
 template <int DIM, bool WEIGHTED> void build_stars(call &c, star_build &w)
 {
     /* weights hide points, which is quick: no sample */
-    const bool far = !WEIGHTED && !pbw_cuda_patient && w.all.count >= sampled_from && w.out.size() >= sample_size
-                  && sample_reaches_far<DIM, WEIGHTED>(c, w);
+    const bool sampled = !WEIGHTED && !pbw_cuda_patient && w.all.count >= sampled_from
+                      && w.out.size() >= sample_size;
+    decline_unless(c, !sampled || DIM == 2 || c.no_cpu || !is_sphere(c, w.all),
+                   "most stars reach far (points on a sphere?): quicker on the CPU");
+    const bool far = sampled && sample_reaches_far<DIM, WEIGHTED>(c, w);
     if (far && DIM == 3) {
         buffer<obb> obbs(c, w.all.count / 7 + 2 * obb_levels);
         if (build_wide_stars(c, w, build_obb_tree(c, w.all, obbs.at))) {
