@@ -5595,13 +5595,13 @@ template <typename INDEX> DEVICE bool is_known(const cell_room<INDEX> &r, uint32
     return r.link_of[slot] != (INDEX)~0u;
 }
 
-/* The place of a simplex in the star. */
-template <typename INDEX> DEVICE uint32_t place_of(const cell_room<INDEX> &r, uint32_t count, uint32_t simplex)
+/* The place of a simplex among those of a star. */
+DEVICE uint32_t place_of(const uint32_t *star, uint32_t count, uint32_t simplex)
 {
     uint32_t low = 0, high = count - 1;
     while (low < high) {
         const uint32_t middle = (low + high) / 2;
-        if (r.simplex[middle] < simplex) {
+        if (star[middle] < simplex) {
             low = middle + 1;
         } else {
             high = middle;
@@ -5611,15 +5611,15 @@ template <typename INDEX> DEVICE uint32_t place_of(const cell_room<INDEX> &r, ui
 }
 
 /* The slot of a vertex, new at its first use. */
-template <typename INDEX> DEVICE uint32_t slot_of(const cell_room<INDEX> &r, uint32_t vertex)
+DEVICE uint32_t slot_of(uint32_t *key, uint32_t slots, uint32_t vertex)
 {
-    uint32_t slot = vertex * 2654435761u >> 7 & (r.size.slots - 1);
+    uint32_t slot = vertex * 2654435761u >> 7 & (slots - 1);
     while (true) {
-        const uint32_t before = claim(r.key + slot, none, vertex);
+        const uint32_t before = claim(key + slot, none, vertex);
         if (before == none || before == vertex) {
             return slot;
         }
-        slot = (slot + 1) & (r.size.slots - 1);
+        slot = (slot + 1) & (slots - 1);
     }
 }
 
@@ -5639,10 +5639,10 @@ DEVICE bool fetch_star(const diagram &d, const cell_room<INDEX> &r, const uint32
     });
     warp_each(3 * count, [&](uint32_t i) {
         const size_t at = 4 * (size_t)(entry[i / 3] >> 2) + other_corner(entry[i / 3] & 3, i % 3);
-        const uint32_t slot = slot_of(r, d.simplices[at]), next = d.neighbors[at];
+        const uint32_t slot = slot_of(r.key, r.size.slots, d.simplices[at]), next = d.neighbors[at];
         add_at(r.size_of_ring + slot, 1);
         r.corner[i] = (INDEX)slot;
-        r.across[i] = (INDEX)(next == none ? ~0u : place_of(r, count, next));
+        r.across[i] = (INDEX)(next == none ? ~0u : place_of(r.simplex, count, next));
         open = open || next == none;
     });
     return any(open);
@@ -5761,11 +5761,9 @@ DEVICE unsigned star_polytope(const diagram &d, const cell_room<INDEX> &r, uint3
     return (any((flags & good_centre) == 0) ? 0 : good_centre) | (any((flags & inside_box) == 0) ? 0 : inside_box);
 }
 
-/* From the site to a link, and where the plane between the cells is along that.  Returns the squared length. */
-template <typename INDEX>
-DEVICE real to_link(const diagram &d, const cell_room<INDEX> &r, uint32_t v, uint32_t link, real *to, real &foot)
+/* From the site to a vertex, and where the plane between their cells is along that.  Returns the squared length. */
+DEVICE real to_vertex(const diagram &d, uint32_t v, uint32_t vertex, real *to, real &foot)
 {
-    const uint32_t vertex = r.key[r.slot_of[link]];
     real square = 0.0;
     for (int k = 0; k < 3; k++) {
         to[k] = real(d.points[3 * (size_t)vertex + (size_t)k]) - d.points[3 * (size_t)v + (size_t)k];
@@ -5778,26 +5776,47 @@ DEVICE real to_link(const diagram &d, const cell_room<INDEX> &r, uint32_t v, uin
     return square;
 }
 
+template <typename INDEX>
+DEVICE real to_link(const diagram &d, const cell_room<INDEX> &r, uint32_t v, uint32_t link, real *to, real &foot)
+{
+    return to_vertex(d, v, r.key[r.slot_of[link]], to, foot);
+}
+
+/* What the edges of a ring of centres add up to; foot: where its plane is along `to`. */
+struct ring_sums {
+    real along, moment[3];
+    DEVICE ring_sums() : along(0.0), moment{ 0.0, 0.0, 0.0 } {}
+    DEVICE void add(const real *to, const real *s, const real *t)
+    {
+        real across[3];
+        cross(s, t, across);
+        const real w = dot(to, across);
+        along += w;
+        for (int k = 0; k < 3; k++) {
+            moment[k] += w * (s[k] + t[k]);
+        }
+    }
+    DEVICE void set_term(const real *to, real foot, real *term) const
+    {
+        for (int k = 0; k < 3; k++) {
+            term[k] = foot * (moment[k] + along * (foot * to[k]));
+        }
+        term[3] = foot * along;
+    }
+};
+
 /* The sums of a cell that is not cut, from the polytope of its star: ring by ring. */
 template <typename INDEX>
 DEVICE void sum_rings(const diagram &d, const cell_room<INDEX> &r, uint32_t v, const counts &n, real *sum)
 {
     warp_add_in_order(n.facets, r.side, [&](uint32_t i, real *term) {
-        real to[3], across[3], moment[3] = { 0.0, 0.0, 0.0 }, along = 0.0, foot;
+        real to[3], foot;
+        ring_sums ring;
         to_link(d, r, v, i, to, foot);
         for (uint32_t e = r.now.start[i]; e < r.now.start[i + 1]; e++) {
-            const real *s = r.x + 3 * (size_t)r.now.corner[e], *t = r.x + 3 * (size_t)follower(r.now, e);
-            cross(s, t, across);
-            const real w = dot(to, across);
-            along += w;
-            for (int k = 0; k < 3; k++) {
-                moment[k] += w * (s[k] + t[k]);
-            }
+            ring.add(to, r.x + 3 * (size_t)r.now.corner[e], r.x + 3 * (size_t)follower(r.now, e));
         }
-        for (int k = 0; k < 3; k++) {
-            term[k] = foot * (moment[k] + along * (foot * to[k]));
-        }
-        term[3] = foot * along;
+        ring.set_term(to, foot, term);
     }, sum);
 }
 
@@ -5979,7 +5998,7 @@ DEVICE bool star_cell(const diagram &d, cell_room<INDEX> &r, const facet_lists &
     if (links > r.size.links || 3 * count > r.size.entries || links > r.size.facets) {
         return false;
     }
-    warp_once([&]() { find_links(r, place_of(r, count, d.incident[v]), links); });
+    warp_once([&]() { find_links(r, place_of(r.simplex, count, d.incident[v]), links); });
     if (open && !d.bounded) {
         open_cell(d, r, lists, v, count, links);
         return true;
@@ -6048,6 +6067,151 @@ star_kernel(const diagram d, const facet_lists lists, const star_rung a)
             a.left.vertex[atomicAdd(a.left.count, 1u)] = v;
         }
         __syncwarp();
+    }
+}
+
+/* Cells that the box does not cut, with facets, by 16 lanes each: most cells.  The same walks in little room. */
+const uint32_t ring_lanes = 16, ring_simplices = 64, ring_links = ring_simplices / 2 + 2, ring_slots = 64;
+
+struct ring_room {
+    real x[ring_simplices][3], term[ring_lanes][4];  /* x: the centres, from the site */
+    uint2 part[ring_simplices];                      /* three slots, and the simplices across from them: bytes */
+    uint32_t simplex[ring_simplices], key[ring_slots];
+    uint8_t is_known[ring_slots], slot[ring_links], begin[ring_links], p[ring_links], q[ring_links];
+};
+
+/* A simplex of a ring around the link at slot u, and its two other corners. */
+struct ring_place {
+    uint32_t simplex, p, q;
+    DEVICE void go_on(const ring_room &r, uint32_t u)
+    {
+        const uint2 part = r.part[simplex];
+        const uint32_t shift = 8 * ((part.x >> 8 & 255) == p) + 16 * (part.x >> 16 == p);
+        simplex = part.y >> shift & 255;
+        const uint32_t next = r.part[simplex].x;
+        p = q;
+        q = (next ^ next >> 8 ^ next >> 16 ^ u ^ q) & 255;
+    }
+};
+
+DEVICE unsigned ring_mask()
+{
+    return 0xffffu << (threadIdx.x & 16);
+}
+
+DEVICE void fetch_rings(const diagram &d, const real *centres, ring_room &r, uint32_t v, const uint32_t *entry,
+                        uint32_t count)
+{
+    const uint32_t lane = threadIdx.x % ring_lanes;
+    for (uint32_t i = lane; i < ring_slots; i += ring_lanes) {
+        r.key[i] = none;
+        r.is_known[i] = 0;
+    }
+    for (uint32_t i = lane; i < count; i += ring_lanes) {
+        r.simplex[i] = entry[i] >> 2;
+    }
+    __syncwarp(ring_mask());
+    for (uint32_t i = lane; i < count; i += ring_lanes) {
+        const size_t at = 4 * (size_t)(entry[i] >> 2);
+        const double *a = d.points + 3 * (size_t)d.simplices[at];
+        uint2 part = { 0, 0 };
+        for (uint32_t k = 0; k < 3; k++) {
+            const uint32_t corner = other_corner(entry[i] & 3, k);
+            part.x |= slot_of(r.key, ring_slots, d.simplices[at + corner]) << 8 * k;
+            part.y |= place_of(r.simplex, count, d.neighbors[at + corner]) << 8 * k;
+            r.x[i][k] = centres[at / 4 * 3 + k] + (real(a[k]) - d.points[3 * (size_t)v + k]);
+        }
+        r.part[i] = part;
+    }
+    __syncwarp(ring_mask());
+}
+
+/* Numbers the links, by one lane, as find_links does. */
+DEVICE void number_rings(ring_room &r, uint32_t start, uint32_t all)
+{
+    uint32_t links = 0;
+    auto add = [&](uint32_t slot, const ring_place &from) {
+        if (r.is_known[slot] == 0) {
+            r.is_known[slot] = 1;
+            r.slot[links] = (uint8_t)slot;
+            r.begin[links] = (uint8_t)from.simplex;
+            r.p[links] = (uint8_t)from.p;
+            r.q[links++] = (uint8_t)from.q;
+        }
+    };
+    const uint32_t corners = r.part[start].x;
+    add(corners & 255, { start, corners >> 8 & 255, corners >> 16 });
+    for (uint32_t i = 0; i < links && links < all; i++) {
+        const uint32_t u = r.slot[i];
+        ring_place at = { r.begin[i], r.p[i], r.q[i] };
+        do {
+            add(at.q, { at.simplex, u, at.p });
+            at.go_on(r, u);
+        } while (at.simplex != r.begin[i]);
+    }
+}
+
+/* Sets the facet of a link, and what its ring adds to the sums. */
+DEVICE void ring_facet(const diagram &d, const ring_room &r, const facet_lists &lists, uint32_t v, uint32_t link,
+                       real *term)
+{
+    const uint32_t u = r.slot[link], vertex = r.key[u];
+    real to[3], foot;
+    const real square = to_vertex(d, v, vertex, to, foot);
+    ring_sums ring;
+    ring_place at = { r.begin[link], r.p[link], r.q[link] };
+    do {
+        const real *s = r.x[at.simplex];
+        at.go_on(r, u);
+        ring.add(to, s, r.x[at.simplex]);
+    } while (at.simplex != r.begin[link]);
+    ring.set_term(to, foot, term);
+    lists.neighbor[lists.first[v] + link] = vertex;
+    lists.area[lists.first[v] + link] = (ring.along / (real(2.0) * root_of(square))).value;
+}
+
+/* The listed cells, of stars that are closed, with centres inside of the box.  left: those that the room is too small
+   for.  centres: of all simplices, from their first corners. */
+__global__ void __launch_bounds__(128, 8)
+ring_kernel(const diagram d, const real *centres, const facet_lists lists, const stars s, const queue todo,
+            const queue left)
+{
+    __shared__ ring_room rooms[128 / ring_lanes];
+    ring_room &r = rooms[threadIdx.x / ring_lanes];
+    const size_t item = thread_number() / ring_lanes;
+    const uint32_t lane = threadIdx.x % ring_lanes, v = item < *todo.count ? todo.vertex[item] : none;
+    const uint32_t first = v != none ? s.first[v] : 0, count = v != none ? s.first[v + 1] - first : 0;
+    const uint32_t links = count / 2 + 2;
+    real sum[4] = { 0.0, 0.0, 0.0, 0.0 }, mine = 0.0;
+    if (v == none) {
+        return;
+    }
+    if (count > ring_simplices) {
+        if (lane == 0) {
+            left.vertex[atomicAdd(left.count, 1u)] = v;
+        }
+        return;
+    }
+    fetch_rings(d, centres, r, v, s.entry + first, count);
+    if (lane == 0) {
+        number_rings(r, place_of(r.simplex, count, d.incident[v]), links);
+    }
+    __syncwarp(ring_mask());
+    for (uint32_t from = 0; from < links; from += ring_lanes) {
+        if (from + lane < links) {
+            ring_facet(d, r, lists, v, from + lane, r.term[lane]);
+        }
+        __syncwarp(ring_mask());
+        for (uint32_t i = 0; i < ring_lanes && from + i < links; i++) {
+            mine += r.term[i][lane & 3];
+        }
+        __syncwarp(ring_mask());
+    }
+    for (int k = 0; k < 4; k++) {
+        sum[k] = __shfl_sync(ring_mask(), mine.value, k, ring_lanes);
+    }
+    if (lane == 0) {
+        set_cell<3>(d, v, sum);
     }
 }
 
@@ -6969,14 +7133,17 @@ template <int DIM> __global__ void empty_kernel(const diagram d, const facet_lis
     }
 }
 
-/* Marks the vertices with cells that may be cut, or unbounded. */
-__global__ void judge_kernel(const diagram d, unsigned char *left)
+/* Finds the centres, from first corners.  Marks the vertices with cells that may be cut, or unbounded. */
+__global__ void judge_kernel(const diagram d, real *centres, unsigned char *left)
 {
     const uint32_t simplex = (uint32_t)thread_number();
     if (simplex < d.simplex_count) {
         real centre[3];
         const uint32_t *next = d.neighbors + 4 * (size_t)simplex;
         const bool all = (centre_of<3>(d, simplex, centre) & (d.bounded ? inside_box : good_centre)) == 0;
+        for (size_t k = 0; k < 3; k++) {
+            centres[3 * (size_t)simplex + k] = centre[k];
+        }
         for (int i = 0; i < 4; i++) {
             if (all || next[(i + 1) & 3] == none || next[(i + 2) & 3] == none || next[(i + 3) & 3] == none) {
                 left[d.simplices[4 * (size_t)simplex + (size_t)i]] = 1;
@@ -6998,14 +7165,27 @@ __global__ void count_kernel(const diagram d, const stars s, const unsigned char
     }
 }
 
-/* Lists all vertices, near ones together. */
-__global__ void vertices_kernel(const diagram d, const queue all)
+/* Lists all vertices, near ones together, those that are marked in a list of their own.  A thread a simplex: a warp
+   adds all that it has at once. */
+__global__ void vertices_kernel(const diagram d, const unsigned char *is_left, const queue whole, const queue left)
 {
-    const size_t i = thread_number();
-    if (i < 4 * (size_t)d.simplex_count) {
-        const uint32_t v = d.simplices[i];
-        if (v < d.count && d.incident[v] == i / 4) {
-            all.vertex[atomicAdd(all.count, 1u)] = v;
+    const size_t simplex = thread_number();
+    uint32_t vertex[4], first = 0;
+    int at[4], length = 0;
+    for (size_t k = 0; k < 4; k++) {
+        const uint32_t v = simplex < d.simplex_count ? d.simplices[4 * simplex + k] : none;
+        const bool own = v < d.count && d.incident[v] == simplex;
+        vertex[k] = own && is_left[v] == 0 ? v : none;
+        at[k] = append<32>(vertex[k] != none, length);
+        enqueue(left, own && is_left[v] != 0, v);
+    }
+    if ((threadIdx.x & 31) == 0 && length > 0) {
+        first = atomicAdd(whole.count, (uint32_t)length);
+    }
+    first = __shfl_sync(all_lanes, first, 0);
+    for (int k = 0; k < 4; k++) {
+        if (vertex[k] != none) {
+            whole.vertex[first + (uint32_t)at[k]] = vertex[k];
         }
     }
 }
@@ -7152,22 +7332,29 @@ void space_cells(call &c, const diagram &d)
 /* All cells in space from their stars, with facets: first the counts of those that may be cut, then all. */
 void space_facets(call &c, const diagram &d, facet_lists &lists)
 {
+    const size_t simplices = d.simplex_count;
     const star_lists at = find_stars(c, d);
+    buffer<unsigned char> is_left(c, c.count);
+    buffer<real> centres(c, 3 * simplices);
     launch(c, "empty cells", empty_kernel<3>, over(d.count, 256), d, lists);
+    fill(c, is_left.at, 0, c.count);
     {
-        buffer<unsigned char> is_left(c, c.count);
         left_cells left(c, d.count);
-        fill(c, is_left.at, 0, c.count);
-        launch(c, "centres", judge_kernel, over(d.simplex_count, 128), d, is_left.at);
+        launch(c, "centres", judge_kernel, over(simplices, 128), d, centres.at, is_left.at);
         launch(c, "counts", count_kernel, over(d.count, 256), d, at.view(), is_left.at, lists, left.list(0));
         build_stars(c, d, lists, at.view(), left);
     }
     make_lists(c, d.count, lists);
     record_mark(c, 2);
-    left_cells all(c, d.count);
-    launch(c, "vertices", vertices_kernel, over(4 * (size_t)d.simplex_count, 256), d, all.list(0));
-    build_stars(c, d, lists, at.view(), all);
+    left_cells left(c, d.count);
+    buffer<uint32_t> whole(c, (size_t)d.count + 1);
+    const queue list = { whole.at + 1, whole.at };
+    fill(c, whole.at, 0, 1);
+    launch(c, "vertices", vertices_kernel, over(simplices, 256), d, is_left.at, list, left.list(0));
+    launch(c, "rings", ring_kernel, over((size_t)d.count * ring_lanes, 128), d, centres.at, lists, at.view(), list,
+           left.list(0));
     record_mark(c, 3);
+    build_stars(c, d, lists, at.view(), left);
 }
 
 /* All cells of the plane; with facets, their counts or the lists. */
