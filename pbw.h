@@ -688,7 +688,10 @@ extern pbw_status pbw_cuda_loop_step(pbw_cuda_loop *loop, const pbw_cuda_points 
    loop_cells: of the mesh of the last step.  The arrays belong to the loop until its next loop_cells: so centroids
    can be the points of the next step.  All others are for pbw_cuda_cells_free.
    of_host: of packed points in the host's memory, by the current device; the arrays are the host's, too.  options: as
-   for pbw_cuda_triangulate; memory_limit is for the mesh and for the cells, each, besides the points. */
+   for pbw_cuda_triangulate; memory_limit is for the mesh and for the cells, each, besides the points.
+   periodic: of points in a box that repeats along all axes; options likewise.  The arrays are those of
+   pbw_cells_periodic, byte for byte if copies within 3.2 spacings are enough, as for even points in space; for others
+   only up to rounding and to the order of facets.  PBW_ERROR_BACKEND for few or very uneven points. */
 #define PBW_CUDA_FACETS 1u                 /* fill first, neighbors, areas */
 typedef struct pbw_cuda_cells {            /* start from {0}; arrays on the device, as in pbw_cells */
     int dim;
@@ -697,6 +700,8 @@ typedef struct pbw_cuda_cells {            /* start from {0}; arrays on the devi
     size_t *first;
     pbw_index *neighbors;
     double *areas;
+    double *sites;                         /* periodic: as in pbw_cells; else NULL */
+    signed char *shifts;
     float milliseconds[5];                 /* device: stars, shares, sums, cut cells, all */
     void *memory;                          /* private */
 } pbw_cuda_cells;
@@ -706,6 +711,9 @@ extern pbw_status pbw_cuda_cells_of(const pbw_cuda_mesh *mesh, const pbw_cuda_po
 extern pbw_status pbw_cuda_cells_of_host(int dim, const double *points, const double *weights, size_t count,
                                          const double *box, unsigned what, const pbw_options *options,
                                          pbw_triangulator *cpu, pbw_cuda_cells *cells);
+extern pbw_status pbw_cuda_cells_periodic(const pbw_cuda_points *points, const double *box, unsigned what,
+                                          const pbw_options *options, void *stream, pbw_triangulator *cpu,
+                                          pbw_cuda_cells *cells);
 extern void pbw_cuda_cells_free(pbw_cuda_cells *cells, void *stream);
 extern pbw_status pbw_cuda_loop_cells(pbw_cuda_loop *loop, const pbw_cuda_points *points, const double *box,
                                       unsigned what, pbw_cuda_cells *cells);

@@ -89,6 +89,7 @@
      >>local     points on the device: triangulate, free, check
      >>loop      points that move
      >>dual      the calls for cells
+     >>periods   cells of points in a periodic box
 */
 #include <cuda_runtime.h>
 
@@ -7387,6 +7388,18 @@ void plane_cells(call &c, const diagram &d, facet_lists &lists)
     record_mark(c, 3);
 }
 
+const char too_uneven[] = "few or uneven points need too many copies: pbw_cells_periodic makes their cells";
+
+/* A box that repeats along all axes; points are in units, from 0 to the size, and so are their copies. */
+struct period {
+    int dim;
+    size_t count, total;                             /* points; with copies */
+    double low[3], size[3], unit[3], margin[3];      /* margin: of the padded box, in which copies are */
+    double heaviest, lightest;
+    uint32_t *source;                                /* of each copy */
+    bool *missing;                                   /* to be set if copies are missing */
+};
+
 /* What a call for cells is given, and gives. */
 struct cells_request {
     const pbw_cuda_mesh *mesh;
@@ -7395,6 +7408,7 @@ struct cells_request {
     unsigned what;
     pbw_triangulator *cpu;
     pbw_cuda_cells *cells;
+    const period *repeats;                           /* NULL, or the points are those and their copies */
 };
 
 bool is_sound(const cells_request &q)
@@ -7417,8 +7431,8 @@ diagram diagram_of(const cells_request &q)
 {
     const int dim = q.points->dim;
     diagram d = {};
-    d.bounded = q.box != NULL;
-    d.count = (uint32_t)q.points->count;
+    d.bounded = q.box != NULL || q.repeats != NULL;
+    d.count = (uint32_t)(q.repeats != NULL ? q.repeats->count : q.points->count);
     for (int k = 0; k < 3; k++) {
         d.low[k] = q.box != NULL && k < dim ? q.box[k] : -HUGE_VAL;
         d.high[k] = q.box != NULL && k < dim ? q.box[dim + k] : HUGE_VAL;
@@ -7499,6 +7513,92 @@ void span(call &c, const cells_request &q, diagram &d, pbw_options options)
     d.simplex_count = (uint32_t)made.simplex_count;
 }
 
+/* Clears *good unless all balls of cells of the first points are in the padded box, and these cells are closed: then
+   no copy is missing (>>periodic of pbw_cells.h).  slack: more than that of the CPU, which then adds no copies. */
+template <int DIM> __global__ void certify_kernel(const diagram d, const period p, double slack, uint32_t *good)
+{
+    const size_t simplex = thread_number();
+    if (simplex >= d.simplex_count) {
+        return;
+    }
+    const uint32_t *corner = d.simplices + simplex * (DIM + 1), *next = d.neighbors + simplex * (DIM + 1);
+    const double *a = d.points + (size_t)corner[0] * DIM;
+    real centre[3];
+    bool read = false, fits = true;
+    for (int i = 0; i <= DIM; i++) {
+        read = read || corner[i] < d.count;
+        fits = fits && next[i] != none;
+    }
+    if (read) {
+        fits = fits && (centre_of<DIM>(d, (uint32_t)simplex, centre) & good_centre) != 0;
+        real square = d.weights != NULL ? real(p.heaviest) - d.weights[corner[0]] : real(0.0);
+        for (int k = 0; k < DIM; k++) {
+            square += centre[k] * centre[k];
+        }
+        const double radius = sqrt(square > 0.0 ? square.value : 0.0) * (1 + 1e-9) + slack;
+        for (int k = 0; k < DIM; k++) {
+            const double at = (centre[k] + a[k]).value;
+            fits = fits && at - radius > -p.margin[k] && at + radius < p.size[k] + p.margin[k];
+        }
+        if (!fits) {
+            *good = 0;
+        }
+    }
+}
+
+void certify(call &c, const diagram &d, const period &p)
+{
+    buffer<uint32_t> good(c, 1);
+    double slack = sqrt(p.heaviest - p.lightest);
+    for (int k = 0; k < p.dim; k++) {
+        slack += p.size[k];
+    }
+    fill(c, good.at, d.simplex_count > 0 ? 1 : 0, 1);
+    if (d.simplex_count > 0) {
+        launch(c, "copies", p.dim == 3 ? certify_kernel<3> : certify_kernel<2>, over(d.simplex_count, 128), d, p,
+               1e-11 * slack, good.at);
+    }
+    *p.missing = read_back(c, good.at, PBW_STAGE_WORK, 0.1) == 0;
+    require(c, !*p.missing, PBW_ERROR_BACKEND, too_uneven);
+}
+
+/* Replaces copies by their points and shifts. */
+__global__ void unwrap_facets_kernel(const diagram d, const period p, size_t facets, uint32_t *neighbor,
+                                     signed char *shift)
+{
+    const size_t i = thread_number(), dim = (size_t)p.dim;
+    if (i < facets) {
+        const uint32_t copy = neighbor[i], point = copy < p.count ? copy : p.source[copy - p.count];
+        neighbor[i] = point;
+        for (size_t k = 0; k < dim; k++) {
+            const real from = d.points[(size_t)point * dim + k];
+            shift[i * dim + k] = (signed char)((real(d.points[(size_t)copy * dim + k]) - from) / p.size[k]).value;
+        }
+    }
+}
+
+/* Moves all back to the caller's box. */
+__global__ void unwrap_kernel(const diagram d, const period p, double *sites)
+{
+    const size_t i = thread_number(), dim = (size_t)p.dim;
+    if (i < p.count * dim) {
+        d.centroids[i] = (real(d.centroids[i]) + p.low[i % dim]).value;
+        sites[i] = (real(d.points[i]) + p.low[i % dim]).value;
+    }
+}
+
+void unwrap(call &c, const diagram &d, const period &p, pbw_cuda_cells &cells)
+{
+    const size_t dim = (size_t)p.dim;
+    cells.sites = allocate<double>(c, p.count * dim);
+    launch(c, "sites", unwrap_kernel, over(p.count * dim, 256), d, p, cells.sites);
+    if (cells.neighbors != NULL) {
+        cells.shifts = allocate<signed char>(c, cells.facet_count * dim);
+        launch(c, "shifts", unwrap_facets_kernel, over(cells.facet_count, 256), d, p, cells.facet_count,
+               cells.neighbors, cells.shifts);
+    }
+}
+
 /* Makes the cells; returns PBW_OK or PBW_DEGENERATE. */
 pbw_status make_cells(call &c, const cells_request &q, const pbw_options &options)
 {
@@ -7511,11 +7611,11 @@ pbw_status make_cells(call &c, const cells_request &q, const pbw_options &option
     record_mark(c, 0);
     c.count = p.count;
     cells.dim = p.dim;
-    cells.cell_count = p.count;
-    cells.volumes = d.volumes = allocate<double>(c, p.count);
-    cells.centroids = d.centroids = allocate<double>(c, p.count * dim);
+    cells.cell_count = d.count;
+    cells.volumes = d.volumes = allocate<double>(c, d.count);
+    cells.centroids = d.centroids = allocate<double>(c, d.count * dim);
     if ((q.what & PBW_CUDA_FACETS) != 0) {
-        cells.first = lists.first = allocate<size_t>(c, p.count + 1);
+        cells.first = lists.first = allocate<size_t>(c, (size_t)d.count + 1);
     }
     d.points = widened(c, p.points, p.is_float != 0, p.count * dim);
     d.weights = widened(c, p.weights, p.is_float != 0, p.count);
@@ -7523,7 +7623,9 @@ pbw_status make_cells(call &c, const cells_request &q, const pbw_options &option
     d.neighbors = q.mesh->neighbors;
     d.incident = spans ? q.mesh->incident : NULL;
     d.simplex_count = (uint32_t)q.mesh->simplex_count;
-    if (!spans && d.bounded && p.count > 0) {
+    if (q.repeats != NULL) {
+        certify(c, d, *q.repeats);
+    } else if (!spans && d.bounded && p.count > 0) {
         decline_unless(c, q.cpu != NULL, "points that span no simplex need the CPU");
         span(c, q, d, options);
     }
@@ -7542,6 +7644,9 @@ pbw_status make_cells(call &c, const cells_request &q, const pbw_options &option
     cells.facet_count = lists.all;
     cells.neighbors = lists.neighbor;
     cells.areas = lists.area;
+    if (q.repeats != NULL) {
+        unwrap(c, d, *q.repeats, cells);
+    }
     record_mark(c, 4);
     wait(c, PBW_STAGE_WORK, 1.0);
     for (int i = 0; i < 5 && d.simplex_count > 0; i++) {
@@ -7553,16 +7658,17 @@ pbw_status make_cells(call &c, const cells_request &q, const pbw_options &option
 
 /* The arrays of cells. */
 struct cell_arrays {
-    void *at[5];
-    size_t bytes[5];
+    void *at[7];
+    size_t bytes[7];
 };
 
 cell_arrays arrays_of(const pbw_cuda_cells &cells)
 {
     const size_t count = cells.cell_count, facets = cells.facet_count;
-    return { { cells.volumes, cells.centroids, cells.first, cells.areas, cells.neighbors },
-             { count * sizeof(double), count * (size_t)cells.dim * sizeof(double), (count + 1) * sizeof(size_t),
-               facets * sizeof(double), facets * sizeof(pbw_index) } };
+    const size_t dim = (size_t)cells.dim;
+    return { { cells.volumes, cells.centroids, cells.first, cells.areas, cells.neighbors, cells.sites, cells.shifts },
+             { count * sizeof(double), count * dim * sizeof(double), (count + 1) * sizeof(size_t),
+               facets * sizeof(double), facets * sizeof(pbw_index), count * dim * sizeof(double), facets * dim } };
 }
 
 void release_cells(call &c, const pbw_cuda_cells &cells)
@@ -7608,7 +7714,7 @@ extern "C" pbw_status pbw_cuda_cells_of(const pbw_cuda_mesh *mesh, const pbw_cud
                                         unsigned what, const pbw_options *options, void *stream,
                                         pbw_triangulator *cpu, pbw_cuda_cells *cells)
 {
-    return run_cells({ mesh, points, box, what, cpu, cells }, options, (cudaStream_t)stream, NULL);
+    return run_cells({ mesh, points, box, what, cpu, cells, NULL }, options, (cudaStream_t)stream, NULL);
 }
 
 namespace {
@@ -7625,9 +7731,9 @@ pbw_status fetch_cells(const pbw_cuda_cells &made, const pbw_options &options, c
     const cell_arrays from = arrays_of(made);
     size_t bytes = sizeof(host_cells);
     pbw_memory memory;
-    void *to[5] = {};
+    void *to[7] = {};
     pbw_memory_start(&memory, &options);
-    for (int i = 0; i < 5; i++) {
+    for (int i = 0; i < 7; i++) {
         bytes += from.at[i] != NULL ? from.bytes[i] : 0;
     }
     host_cells *const block = (host_cells *)pbw__allocate(&memory, bytes, 1);
@@ -7636,7 +7742,7 @@ pbw_status fetch_cells(const pbw_cuda_cells &made, const pbw_options &options, c
     }
     cudaError_t error = cudaSuccess;
     char *next = (char *)(block + 1);
-    for (int i = 0; i < 5 && error == cudaSuccess; i++) {
+    for (int i = 0; i < 7 && error == cudaSuccess; i++) {
         if (from.at[i] != NULL) {
             to[i] = next;
             next += from.bytes[i];
@@ -7680,7 +7786,7 @@ pbw_status cells_of_points(const pbw_cuda_points &host, const cells_request &q, 
                                       &mesh);
         options.flags = 0;
         if (status == PBW_OK || status == PBW_DEGENERATE) {
-            status = run_cells({ &mesh, &there, q.box, q.what, q.cpu, q.cells }, &options, stream, NULL);
+            status = run_cells({ &mesh, &there, q.box, q.what, q.cpu, q.cells, NULL }, &options, stream, NULL);
         }
     }
     pbw_cuda_free(&mesh, stream);
@@ -7704,7 +7810,7 @@ extern "C" pbw_status pbw_cuda_cells_of_host(int dim, const double *points, cons
     const pbw_cuda_points host = { dim, 0, points, weights, count, 0 };
     const pbw_cuda_mesh no_mesh = {};
     pbw_cuda_cells made = {};
-    const cells_request q = { &no_mesh, &host, box, what, cpu, &made };
+    const cells_request q = { &no_mesh, &host, box, what, cpu, &made, NULL };
     pbw_options options;
     cudaStream_t stream = NULL;
     if (cells != NULL) {
@@ -7764,9 +7870,250 @@ extern "C" pbw_status pbw_cuda_loop_cells(pbw_cuda_loop *loop, const pbw_cuda_po
         (void)cudaGetLastError();
         return PBW_ERROR_ARGUMENT;
     }
-    const pbw_status status = run_cells({ &loop->last.mesh, points, box, what, loop->cpu, &made }, &loop->options,
-                                        loop->stream, &loop->resources);
+    const cells_request q = { &loop->last.mesh, points, box, what, loop->cpu, &made, NULL };
+    const pbw_status status = run_cells(q, &loop->options, loop->stream, &loop->resources);
     pbw_cuda_cells_free(&loop->cells, loop->stream);
     *cells = loop->cells = made;
+    return status;
+}
+
+namespace {
+/* ------------------------------------------------------------------------------------------------------
+   >>periods      Cells of points in a periodic box.
+   In: points on the current device.  Out: the arrays of their cells there.
+   Holds: units, copies and their order are those of the first round of pbw_cells_periodic.  If that is its last, the
+   bytes are the same; else more copies are made here, twice as far.
+   ------------------------------------------------------------------------------------------------------ */
+/* As >>units of pbw_cells.h, but for margins: of so many spacings.  Returns false for a box that it refuses. */
+bool set_sizes(const double *box, int dim, size_t count, double spacings, period &p)
+{
+    double longest = 0, volume = 1;
+    p.dim = dim;
+    p.count = count;
+    for (int k = 0; k < dim; k++) {
+        p.low[k] = box[k];
+        p.size[k] = box[dim + k] - box[k];
+        if (!(p.size[k] > 1e-150) || !(p.size[k] < 1e150)) {
+            return false;
+        }
+        longest = p.size[k] > longest ? p.size[k] : longest;
+        volume *= p.size[k];
+    }
+    const double spacing = pow(volume / (double)(count > 0 ? count : 1), 1.0 / (double)dim);
+    for (int k = 0; k < dim; k++) {
+        double reach = longest / p.size[k];
+        int exponent;
+        (void)frexp(p.size[k], &exponent);
+        for (exponent -= 51; reach > 1; reach /= 2) {
+            exponent++;
+        }
+        p.unit[k] = ldexp(1, exponent + 3);
+        p.size[k] = floor(p.size[k] / p.unit[k] + 0.5) * p.unit[k];
+        p.margin[k] = spacings * spacing < p.size[k] ? spacings * spacing : p.size[k];
+    }
+    return true;
+}
+
+/* What a scan of the points tells. */
+struct scanned {
+    unsigned long long heaviest, below_lightest;     /* weights, ordered; all bits of the lightest turned */
+    uint32_t infinite;                               /* is a number not finite? */
+};
+
+__global__ void snap_kernel(const double *points, const double *weights, const period p, double *x, scanned *out)
+{
+    const size_t i = thread_number(), dim = (size_t)p.dim;
+    bool finite = true;
+    if (i >= p.count) {
+        return;
+    }
+    for (size_t k = 0; k < dim; k++) {
+        const real given = points[i * dim + k], steps = (given - p.low[k]) / p.unit[k] + 0.5;
+        const double moved = fmod((real(floor(steps.value)) * p.unit[k]).value, p.size[k]);
+        finite = finite && fabs(given.value) < HUGE_VAL;
+        x[i * dim + k] = (real(moved) + (moved < 0.0 ? p.size[k] : 0.0)).value;
+    }
+    if (weights != NULL) {
+        finite = finite && fabs(weights[i]) < HUGE_VAL;
+        atomicMax(&out->heaviest, ordered(weights[i]));
+        atomicMax(&out->below_lightest, ~ordered(weights[i]));
+    }
+    if (!finite) {
+        out->infinite = 1;
+    }
+}
+
+/* Calls f(copy) for the copies of a point in the padded box, in the order of pbw_cells.h. */
+template <typename F> DEVICE void visit_copies(const period &p, const double *x, F f)
+{
+    int first[3] = { 0, 0, 0 }, last[3] = { 0, 0, 0 }, shift[3];
+    for (int k = 0; k < p.dim; k++) {
+        first[k] = (int)ceil(((real(-p.margin[k]) - x[k]) / p.size[k]).value);
+        last[k] = (int)floor(((real(p.size[k]) + p.margin[k] - x[k]) / p.size[k]).value);
+    }
+    for (shift[2] = first[2]; shift[2] <= last[2]; shift[2]++) {
+        for (shift[1] = first[1]; shift[1] <= last[1]; shift[1]++) {
+            for (shift[0] = first[0]; shift[0] <= last[0]; shift[0]++) {
+                bool inside = shift[0] != 0 || shift[1] != 0 || shift[2] != 0;
+                double copy[3];
+                for (int k = 0; k < p.dim; k++) {
+                    copy[k] = (real(x[k]) + real((double)shift[k]) * p.size[k]).value;
+                    inside = inside && copy[k] >= -p.margin[k]
+                          && copy[k] <= (real(p.size[k]) + p.margin[k]).value;
+                }
+                if (inside) {
+                    f(copy);
+                }
+            }
+        }
+    }
+}
+
+__global__ void count_copies_kernel(const period p, const double *x, size_t *first)
+{
+    const size_t i = thread_number();
+    if (i < p.count) {
+        size_t count = 0;
+        visit_copies(p, x + i * (size_t)p.dim, [&](const double *) { count++; });
+        first[i] = count;
+    }
+}
+
+__global__ void write_copies_kernel(const period p, const double *x, const double *weights, const size_t *first,
+                                    double *to, double *to_weights)
+{
+    const size_t i = thread_number(), dim = (size_t)p.dim;
+    if (i < p.count) {
+        size_t at = first[i];
+        for (size_t k = 0; k < dim; k++) {
+            to[i * dim + k] = x[i * dim + k];
+        }
+        if (weights != NULL) {
+            to_weights[i] = weights[i];
+        }
+        visit_copies(p, x + i * dim, [&](const double *copy) {
+            for (size_t k = 0; k < dim; k++) {
+                to[(p.count + at) * dim + k] = copy[k];
+            }
+            if (weights != NULL) {
+                to_weights[p.count + at] = weights[i];
+            }
+            p.source[at++] = (uint32_t)i;
+        });
+    }
+}
+
+/* Reads what was scanned. */
+void judge_points(call &c, const scanned *on_device, bool weighted, period &p)
+{
+    const scanned found = read_back(c, on_device, PBW_STAGE_ORDER, 0.1);
+    require(c, found.infinite == 0, PBW_ERROR_NOT_FINITE, pbw_status_string(PBW_ERROR_NOT_FINITE));
+    p.heaviest = weighted ? unordered(found.heaviest) : 0.0;
+    p.lightest = weighted ? unordered(~found.below_lightest) : 0.0;
+    double square = p.heaviest - p.lightest;
+    for (int k = 0; k < p.dim; k++) {
+        square += 0.5625 * p.size[k] * p.size[k];
+    }
+    for (int k = 0; k < p.dim; k++) {                /* copies must be exact, also those that are not needed */
+        require(c, 1.75 * p.size[k] + 1.002 * sqrt(square) < 4e15 * p.unit[k], PBW_ERROR_ARGUMENT,
+                "weights differ too much for a periodic box");
+    }
+}
+
+/* Makes the points in units and their copies, which are left to the caller: points, weights, p.source. */
+void repeat_points(call &c, const pbw_cuda_points &given, period &p, pbw_cuda_points &made)
+{
+    const size_t dim = (size_t)p.dim;
+    const double *points = widened(c, given.points, given.is_float != 0, p.count * dim);
+    const double *weights = widened(c, given.weights, given.is_float != 0, p.count);
+    buffer<double> x(c, p.count * dim);
+    buffer<scanned> found(c, 1);
+    buffer<size_t> first(c, p.count + 1);
+    fill(c, found.at, 0, 1);
+    launch(c, "points", snap_kernel, over(p.count, 128), points, weights, p, x.at, found.at);
+    judge_points(c, found.at, weights != NULL, p);
+    fill(c, first.at + p.count, 0, 1);
+    launch(c, "copies", count_copies_kernel, over(p.count, 128), p, x.at, first.at);
+    with_scratch(c, "scan", [&](void *scratch, size_t &bytes) {
+        return cub::DeviceScan::ExclusiveSum(scratch, bytes, first.at, first.at, p.count + 1, c.stream);
+    });
+    const size_t copies = read_back(c, first.at + p.count, PBW_STAGE_ORDER, 0.2);
+    require(c, copies <= 4 * p.count + 100000, PBW_ERROR_BACKEND, too_uneven);
+    require(c, p.count + copies < PBW_NONE - 16, PBW_ERROR_TOO_LARGE, pbw_status_string(PBW_ERROR_TOO_LARGE));
+    p.total = p.count + copies;
+    double *const to = allocate<double>(c, p.total * dim);
+    double *const to_weights = weights != NULL ? allocate<double>(c, p.total) : NULL;
+    p.source = allocate<uint32_t>(c, copies);
+    launch(c, "copies", write_copies_kernel, over(p.count, 128), p, x.at, weights, first.at, to, to_weights);
+    made = pbw_cuda_points{ p.dim, 0, to, to_weights, p.total, 0 };
+    wait(c, PBW_STAGE_ORDER, 0.3);
+    for (const void *kept : { (const void *)to, (const void *)to_weights, (const void *)p.source }) {
+        release(c, kept, true);
+    }
+}
+
+/* Makes the cells with copies in the margins. */
+pbw_status make_periodic(const pbw_cuda_points &points, unsigned what, const pbw_options *given_options,
+                         const request &r, period &p, pbw_cuda_cells *cells)
+{
+    pbw_cuda_mesh mesh = {};
+    pbw_cuda_points made = {};
+    pbw_options options = r.options;
+    local_call local{};
+    try {
+        open_local(local, r);
+        repeat_points(local.c, points, p, made);
+    } catch (const failure &) {
+        made = pbw_cuda_points();
+        p.source = NULL;
+    }
+    pbw_status status = close_local(local);
+    if (status == PBW_OK) {
+        status = pbw_cuda_triangulate(p.dim, 0, made.points, made.weights, p.total, given_options, r.stream, r.cpu,
+                                      &mesh);
+        options.flags = 0;
+    }
+    if (mesh.simplices != NULL) {
+        status = run_cells({ &mesh, &made, NULL, what, r.cpu, cells, &p }, &options, r.stream, NULL);
+    }
+    pbw_cuda_free(&mesh, r.stream);
+    for (const void *array : { made.points, made.weights, (const void *)p.source }) {
+        if (array != NULL) {
+            cudaFreeAsync((void *)(uintptr_t)array, r.stream);
+        }
+    }
+    return status;
+}
+
+} /* namespace */
+
+extern "C" pbw_status pbw_cuda_cells_periodic(const pbw_cuda_points *points, const double *box, unsigned what,
+                                              const pbw_options *given_options, void *stream,
+                                              pbw_triangulator *cpu, pbw_cuda_cells *cells)
+{
+    const pbw_cuda_mesh no_mesh = {};
+    const double most = 3.2 * 64;
+    request r = {};
+    pbw_status status = PBW_ERROR_ARGUMENT;
+    bool missing = true;
+    if (cells != NULL) {
+        memset(cells, 0, sizeof *cells);
+    }
+    if (!is_sound({ &no_mesh, points, box, what, cpu, cells, NULL }) || box == NULL || points->count == 0
+        || points->count >= PBW_NONE / 2 || !take_options(r.options, given_options)) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    r.in.dim = points->dim;
+    r.stream = (cudaStream_t)stream;
+    r.cpu = cpu;
+    for (double spacings = 3.2; missing && spacings < most; spacings *= 2) {
+        period p = {};
+        p.missing = &missing;
+        missing = false;
+        if (!set_sizes(box, points->dim, points->count, spacings, p)) {
+            return PBW_ERROR_ARGUMENT;
+        }
+        status = make_periodic(*points, what, given_options, r, p, cells);
+    }
     return status;
 }

@@ -8,6 +8,7 @@
    CPU        pbw_cells_of with all threads, once, for up to --cpu points (1e6): the arrays are equal, byte for byte,
               or the row says DIFFERENT and the exit status is 1
    all        from points on the device to volumes and centroids
+   periodic   the same in a box that repeats
    Lloyd      --steps steps of a loop (30; without weights): points to mesh to cells, centroids are the next points:
               median and worst step, and how much volumes differ from their mean, at first and at last
    The box: the unit cube for uniform points, else that of the points.  The first run of each warms up. */
@@ -142,6 +143,26 @@ static void all_row(bench *b, diagram *d)
     printf("  all       best %.2f median %.2f ms\n", 1e3 * times[0], 1e3 * times[b->runs / 2]);
 }
 
+static void periodic_row(bench *b, diagram *d)
+{
+    double times[RUNS_MOST], start;
+    pbw_cuda_cells cells;
+    pbw_status status = PBW_OK;
+    int run;
+    for (run = 0; run < b->runs && status == PBW_OK; run++) {
+        start = seconds();
+        status = pbw_cuda_cells_periodic(&d->there, d->box, 0, &d->options, NULL, pbw_triangulate, &cells);
+        times[run] = seconds() - start;
+        pbw_cuda_cells_free(&cells, NULL);
+    }
+    if (status != PBW_OK) {
+        printf("  periodic  %s: %s\n", pbw_status_string(status), d->message);
+        return;
+    }
+    qsort(times, (size_t)b->runs, sizeof times[0], compare_doubles);
+    printf("  periodic  best %.2f median %.2f ms\n", 1e3 * times[0], 1e3 * times[b->runs / 2]);
+}
+
 /* The standard deviation of volumes, in parts of their mean. */
 static double spread(const diagram *d, const pbw_cuda_cells *cells)
 {
@@ -240,6 +261,7 @@ static void row(bench *b, diagram *d, int kind, int weighted)
     pbw_cuda_free(&d->mesh, NULL);
     pbw_free(&mesh);
     all_row(b, d);
+    periodic_row(b, d);
     if (!weighted) {
         lloyd_row(b, d);
     }

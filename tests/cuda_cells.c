@@ -1,6 +1,6 @@
 /* cuda_cells.c: cells by pbw_cuda.cu against pbw_cells.h, byte for byte: the zoo, all kinds of points and weights,
-   few points, floats, a loop; in boxes around, within and beside the points, and in the whole space; with facets and
-   alone.  The volumes in a box add up to it. */
+   few points, floats, a loop, periodic boxes; in boxes around, within and beside the points, and in the whole space;
+   with facets and alone.  The volumes in a box add up to it. */
 #define PBW_IMPLEMENTATION
 #define PBW_CUDA
 #include "../pbw.h"
@@ -422,6 +422,109 @@ static void test_loop(size_t count)
     free(points);
 }
 
+/* Volumes up to rounding. */
+static void near_cells(const pbw_cells *cpu, const pbw_cuda_cells *gpu, double whole)
+{
+    const size_t count = cpu->cell_count;
+    double *volumes = (double *)zoo_grow(NULL, (count + 1) * sizeof *volumes), most = 0;
+    size_t i;
+    CHECK(gpu->cell_count == count && cudaMemcpy(volumes, gpu->volumes, count * sizeof *volumes, cudaMemcpyDefault)
+                                      == cudaSuccess);
+    for (i = 0; i < count; i++) {
+        most = fmax(most, fabs(volumes[i] - cpu->volumes[i]));
+    }
+    if (!CHECK(most < 1e-8 * whole / (double)count)) {
+        test_say("a volume is off by %g of %g", most, whole / (double)count);
+    }
+    free(volumes);
+}
+
+/* Points in a periodic box: the bytes of the CPU, or with is_near its cells up to rounding; or a status that says why
+   there are none. */
+static void compare_periodic(int dim, const double *points, const double *weights, size_t count, const double *box,
+                             pbw_status expected, int is_near)
+{
+    pbw_domain domain;
+    pbw_cells cpu;
+    pbw_cuda_cells gpu;
+    pbw_cuda_points there;
+    pbw_options options;
+    char message[200] = "";
+    unsigned facets;
+    memset(&domain, 0, sizeof domain);
+    memset(&there, 0, sizeof there);
+    memset(&options, 0, sizeof options);
+    options.message = message;
+    options.message_size = sizeof message;
+    domain.box = box;
+    domain.periodic = (1u << dim) - 1;
+    there.dim = dim;
+    there.count = count;
+    there.points = to_device(points, count * (size_t)dim * sizeof(double));
+    there.weights = weights == NULL ? NULL : to_device(weights, count * sizeof(double));
+    for (facets = 0; facets < 2; facets++) {
+        const pbw_status status = pbw_cuda_cells_periodic(&there, box, facets, &options, NULL, pbw_triangulate, &gpu);
+        if (CHECK_EQUAL(status, expected) && status == PBW_OK) {
+            CHECK_EQUAL(pbw_cells_periodic(dim, points, weights, count, &domain, facets, NULL, &cpu), PBW_OK);
+            if (is_near) {
+                near_cells(&cpu, &gpu, (box[dim] - box[0]) * (box[dim + 1] - box[1])
+                                       * (dim == 3 ? box[5] - box[2] : 1));
+            } else {
+                same_cells(&cpu, &gpu, 1);
+                CHECK(same(gpu.shifts, cpu.shifts, cpu.facet_count * (size_t)dim));
+            }
+            CHECK(same(gpu.sites, cpu.sites, count * (size_t)dim * sizeof(double)));
+            pbw_cells_free(&cpu);
+        } else if (status != expected) {
+            test_say("%s", message);
+        }
+        CHECK(status != PBW_ERROR_BACKEND || strstr(message, "pbw_cells_periodic") != NULL);
+        pbw_cuda_cells_free(&gpu, NULL);
+    }
+    cudaFree((void *)(uintptr_t)there.points);
+    cudaFree((void *)(uintptr_t)there.weights);
+}
+
+static void test_periodic(size_t count)
+{
+    static const double boxes[2][6] = { { 0, 0, 0, 1, 1, 1 }, { -0.3, 0.7, 5, 0.7, 1.6, 6.3 } };
+    double *points = (double *)zoo_grow(NULL, count * 3 * sizeof *points);
+    double *weights = (double *)zoo_grow(NULL, count * sizeof *weights);
+    int dim, b;
+    size_t i, k;
+    for (dim = 2; dim <= 3; dim++) {
+        for (b = 0; b < 2; b++) {
+            if (test_begin("cells: %dD periodic box %d", dim, b)) {
+                double box[6];
+                memcpy(box, boxes[b], sizeof box);
+                memcpy(box + dim, boxes[b] + 3, (size_t)dim * sizeof *box);
+                input_fill(INPUT_UNIFORM, dim, count, (uint64_t)test_seed, points);
+                for (i = 0; i < count; i++) {
+                    weights[i] = 1e-5 * (double)(i % 7);
+                    for (k = 0; k < (size_t)dim; k++) {           /* over three periods */
+                        points[i * (size_t)dim + k] *= 3 * (box[(size_t)dim + k] - box[k]);
+                    }
+                }
+                compare_periodic(dim, points, NULL, count, box, PBW_OK, dim == 2);
+                compare_periodic(dim, points, weights, count, box, PBW_OK, dim == 2);
+                memcpy(points + 5 * dim, points, (size_t)dim * sizeof *points);  /* a duplicate */
+                compare_periodic(dim, points, NULL, count, box, PBW_OK, dim == 2);
+                compare_periodic(dim, box, NULL, 1, box, PBW_ERROR_BACKEND, 0);          /* one in a corner */
+                compare_periodic(dim, points, NULL, 0, box, PBW_ERROR_ARGUMENT, 0);
+                for (i = 0; i < count * (size_t)dim; i += (size_t)dim) {        /* a gap */
+                    points[i] = box[0] + 0.9 * (points[i] - box[0] - floor(points[i] - box[0]));
+                }
+                compare_periodic(dim, points, NULL, count, box, PBW_OK, 1);
+                points[7] = HUGE_VAL;
+                compare_periodic(dim, points, NULL, count, box, PBW_ERROR_NOT_FINITE, 0);
+                test_end();
+            }
+        }
+    }
+    free(points);
+    free(weights);
+}
+
 int main(int argc, char **argv)
 {
     int devices = 0;
@@ -435,6 +538,7 @@ int main(int argc, char **argv)
     test_few();
     test_failures();
     test_loop(count);
+    test_periodic(20000);
     test_zoo();
     test_kinds(count);
     return test_finish();
