@@ -225,8 +225,8 @@ pbwsample_model model_of(const pbwio_cloud *cloud);
 
 /* ---- gpu.c ---- */
 
-/* Makes volumes, centroids and facets of the job's points in a box, or with NULL in the whole space.  Returns 0 or the
-   exit status: also without CUDA in the program, or without a GPU.  For gpu_free, not for pbw_cells_free. */
+/* Makes volumes, centroids and facets of the job's points in a box, or with NULL in the whole space.  Returns 0 or
+   the exit status: also without CUDA in the program, or without a GPU.  For gpu_free, not for pbw_cells_free. */
 int gpu_cells(job *j, const double *box, pbw_cells *cells);
 void gpu_free(pbw_cells *cells);
 

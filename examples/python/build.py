@@ -24,7 +24,7 @@ import zipfile
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 LIBRARY = "libpbw_python.so"
-SOURCES = "pbw_python.c", "pbw_queries.c", "pbw_domains.c"
+SOURCES = "pbw_python.c", "pbw_queries.c", "pbw_domains.c", "pbw_gpu.c"
 METADATA = """Metadata-Version: 2.1
 Name: pbw
 Version: %s
