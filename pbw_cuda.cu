@@ -89,6 +89,7 @@
      >>local     points on the device: triangulate, free, check
      >>loop      points that move
      >>dual      the calls for cells
+     >>transfer  cells of points in the memory of the host
      >>periods   cells of points in a periodic box
 */
 #include <cuda_runtime.h>
@@ -7110,8 +7111,7 @@ extern "C" void pbw_cuda_loop_free(pbw_cuda_loop *loop)
 namespace {
 /* ------------------------------------------------------------------------------------------------------
    >>dual         The calls for cells.
-   In: a mesh and its points, on the current device.  Out: the arrays of its cells there.  Or points in the memory of
-   the host, and arrays there.
+   In: a mesh and its points, on the current device.  Out: the arrays of its cells there.
    ------------------------------------------------------------------------------------------------------ */
 /* Points as doubles. */
 __global__ void widen_kernel(const float *from, size_t count, double *to)
@@ -7718,6 +7718,10 @@ extern "C" pbw_status pbw_cuda_cells_of(const pbw_cuda_mesh *mesh, const pbw_cud
 }
 
 namespace {
+/* ------------------------------------------------------------------------------------------------------
+   >>transfer     Cells of points in the memory of the host; the end of cells; cells of a loop.
+   In: points in the memory of the host.  Out: the arrays of their cells there.
+   ------------------------------------------------------------------------------------------------------ */
 /* The memory of the host that holds the arrays of cells, which follow it. */
 struct alignas(16) host_cells {
     pbw_memory memory;
