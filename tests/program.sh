@@ -930,6 +930,11 @@ check "solid --wrap --seconds" says 1 "--seconds were over before" solid lid.obj
 printf 'v 0 0 0\nv 4 0 0\nv 4 1 0.5\nv 0 1 0\nf 1 2 3 4\n' > sheet.obj
 check "a sheet becomes a plate" says 0 "below 5, 10, 20, 30: 0, 0, 0, " solid sheet.obj --wrap --size 0.4
 check "1/4 of the size thick" grep -q "the model up to 0.125 sizes from the boundary" said
+check "a closed model is filled by its wrap" says 0 "below 5, 10, 20, 30: 0, 0, 0, " solid plain.obj --wrap --size 0.2 \
+    -o around.off
+check "and points are pulled onto it" says 0 "volume 2.0" check around.off
+check "solid --wrap --offset" says 0 "0, 0, 0, 0" solid plain.obj --wrap --size 0.2 --offset 0.025 -o around.off
+check "keeps them off it" says 0 "volume 2.2" check around.off
 facets() { sed -n 's/ facets in .*//p' said; }
 check "wrap --alpha: a formula" says 0 "in 1 component, " wrap lid.obj --alpha "0.1+0.4*x" --offset 0.02
 graded=$(facets)

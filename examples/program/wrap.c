@@ -8,7 +8,8 @@ const option wrapping_options[] = {
                  "are closed: a number, a formula or a column, as --size; default: 1/50 of the diagonal,\n"
                  "of solids half the size", FORMULA),
     { "--offset", "D", "of wraps: distance of points from the model; default: 1/30 of alpha, of solids 1/8\n"
-      "of the size, so that sheets become plates that have room for good tetrahedra", POSITIVE, 0, 0, NULL },
+      "of the size, so that sheets become plates that have room for good tetrahedra; without it,\n"
+      "points of a solid are pulled onto a closed model", POSITIVE, 0, 0, NULL },
     { "--cavities", "FILE", "of wraps: points; cavities with one of them are carved from inside, too", PLAIN, 0, 0,
       NULL },
     { "--all-points", NULL, "wraps points that are corners of nothing, too", SWITCH, 0, 0, NULL },
@@ -231,19 +232,54 @@ static double seconds_left(const job *j)
     return seconds > 0 ? fmax(seconds - (double)clock() / CLOCKS_PER_SEC, 1e-3) : 0;
 }
 
-/* Improves the tetrahedra in a wrap: boundary points slide on its surface, which has no sharp edges, and reports. */
-static int improve_wrap(job *j, const pbw_tets *in, pbw_tets *better)
+/* Whether the model is of triangles alone, and closed: an even number of them at each edge. */
+static pbw_status is_closed(const job *j, const pbw_wrap_input *in, int *closed)
+{
+    pbw_surface_faults f;
+    const pbw_status status = pbw_surface_crossings(in->points, in->point_count, in->triangles, in->triangle_count,
+                                                    &j->build, &f);
+    size_t i;
+    *closed = in->triangle_count > 0 && in->segment_count + in->single_count == 0;
+    for (i = 0; status == PBW_OK && i < f.edge_count; i++) {
+        *closed = *closed && f.edge_triangles[i] % 2 == 0;
+    }
+    pbw_surface_faults_free(&f);
+    return status;
+}
+
+static void to_model(void *user, double point[3])
+{
+    double place[3];
+    if (pbw_surface_closest((const pbw_surface *)user, point, HUGE_VAL, place) != PBW_NONE) {
+        memcpy(point, place, sizeof place);
+    }
+}
+
+/* Improves the tetrahedra in a wrap, and reports.  Boundary points slide on its surface, which has no sharp edges; if
+   the model is closed, they are first smoothed on that, as far as it keeps tetrahedra good. */
+static int improve_wrap(job *j, const elements *e, const pbw_tets *in, pbw_tets *better)
 {
     pbw_improve_options how;
     pbw_improve_report r;
+    pbw_surface model;
     const double start = now();
-    int failed;
+    int failed, closed;
+    memset(&model, 0, sizeof model);
     memset(&how, 0, sizeof how);
     how.target = number_of(j, "--target", 0);
     how.seconds = seconds_left(j);
     how.feature_angle = 180;
     j->stage = "improve";
-    failed = explain(j, pbw_improve(in, &how, &j->build, better, &r));
+    failed = explain(j, is_closed(j, &e->in, &closed));
+    if (!failed && closed && !is_given(j, "--offset")) {
+        failed = explain(j, pbw_surface_create(e->in.points, e->in.point_count, e->in.triangles,
+                                               e->in.triangle_count, &j->build, &model));
+        how.project = to_model;
+        how.project_user = &model;
+        how.rounds = 10;
+    }
+    failed = failed ? failed : explain(j, pbw_improve(in, &how, &j->build, better, &r));
+    pbw_surface_free(&model);
     j->stage = NULL;
     if (!failed) {
         report_step(j, "improve", now() - start, "%d pass%s", r.passes, r.passes == 1 ? "" : "es");
@@ -256,8 +292,9 @@ static int improve_wrap(job *j, const pbw_tets *in, pbw_tets *better)
     return failed;
 }
 
-/* Tells how far the boundary of tetrahedra and the model are apart; size: by that, 0 = by nothing. */
-static int measure_distance(job *j, const elements *e, const pbw_tets *tets, double size)
+/* Tells how far the boundary of tetrahedra and the model are apart; size: by that, 0 = by nothing.  when: begins the
+   line. */
+static int measure_distance(job *j, const elements *e, const pbw_tets *tets, double size, const char *when)
 {
     double distance[2];
     const double left = seconds_left(j);
@@ -276,8 +313,8 @@ static int measure_distance(job *j, const elements *e, const pbw_tets *tets, dou
                                           distance));
     free(facets);
     if (!failed && size > 0) {
-        report_line(j, "the boundary is up to %.3f sizes of %.6g from the model, the model up to %.3f sizes from the "
-                    "boundary", distance[0] / size, size, distance[1] / size);
+        report_line(j, "%sthe boundary is up to %.3f sizes of %.6g from the model, the model up to %.3f sizes from "
+                    "the boundary", when, distance[0] / size, size, distance[1] / size);
     } else if (!failed) {
         report_line(j, "the wrap is up to %.6g from the model, the model up to %.6g from the wrap", distance[0],
                     distance[1]);
@@ -318,11 +355,12 @@ static int wrap_elements(job *j, const elements *e, pbw_wrap_options *how)
         tets.corners = wrap.corners;
         tets.tet_count = wrap.tet_count;
         tets.neighbors = wrap.neighbors;
-        failed = how->fill > 0 ? improve_wrap(j, &tets, &better) : 0;
+        failed = how->fill > 0 ? measure_distance(j, e, &tets, how->fill, "before: ") : 0;
+        failed = failed || !(how->fill > 0) ? failed : improve_wrap(j, e, &tets, &better);
     }
     if (!failed) {
         const pbw_tets *made = how->fill > 0 ? &better : &tets;
-        failed = measure_distance(j, e, made, how->fill);
+        failed = measure_distance(j, e, made, how->fill, "after:  ");
         failed = failed ? failed : write_tets(j, e, made);
     }
     pbw_tets_free(&better);
