@@ -4294,7 +4294,9 @@ static int pbwio__lacks_points(const pbwio__reader *r)
 /* Points; facets, in the plane segments; holes; regions. */
 static void pbwio__read_poly(pbwio__reader *r)
 {
+    const size_t size = (size_t)(r->end - r->begin);
     long long dim = 0;
+    r->budget += size < (size_t)-1 / 64 ? 24 * size : 0;             /* for the triangulation of a facet */
     if (!pbwio__lacks_points(r)) {
         pbwio__reader ahead = *r;
         ahead.error = NULL;
@@ -8813,7 +8815,6 @@ static pbwio_status pbwio__read(const char *name, const void *data, size_t size,
         }
     }
     format = format != PBWIO_AUTO ? format : pbwio__sniff(r);
-    r.budget += format == PBWIO_POLY && size < (size_t)-1 / 64 ? 24 * size : 0;       /* triangles of facets */
     left = (size_t)(r.end - r.at);
     wrong = pbwio__content_error(r.at, left, format);
     if (wrong != NULL) {
