@@ -63,7 +63,8 @@
      same        the same bytes for any number of threads
      bounded     no recursion, and no assert on any input
 
-   DOES NOT  work on several threads, but for the first triangulation, the search for crossings, and improvement.
+   DOES NOT  work on several threads, but for the first triangulation, the search for crossings and for missing
+             segments, the last check, and improvement.
              Triangles nearer to each other than 2^-29 of the box may cross on the grid, and are refused then.
              Points added on an edge are at the double nearest to it, which is on it if its ends are on the grid.  Far
              from the origin, as seen against the box, tetrahedra may be flat: report.flat_tets.
@@ -211,7 +212,8 @@ PBW_CONTRACTION_OFF                        /* fused operations would give other 
    are in `unused`.  Vertices are the input's points, eight corners of the box, then points that were added; at[v] is
    a tetrahedron of v, PBW_NONE for duplicates.
    ------------------------------------------------------------------------------------------------------ */
-enum { PBWFILL__STEPS = 22 };              /* places on a segment are multiples of 2^-22 of it */
+enum { PBWFILL__STEPS = 22,                /* places on a segment are multiples of 2^-22 of it */
+       PBWFILL__GRAIN = 4096 };            /* items of a range of pbw_for */
 
 typedef PBW_ARRAY(pbw_index) pbwfill__indices;
 typedef PBW_ARRAY(double) pbwfill__doubles;
@@ -270,6 +272,7 @@ typedef struct pbwfill__work {
     PBW_ARRAY(uint32_t) seen;              /* of each tetrahedron, against `epoch` */
     uint32_t epoch;
     PBW_ARRAY(unsigned char) touched;      /* of each vertex: its star has changed */
+    PBW_ARRAY(unsigned char) noted;        /* of each piece or tetrahedron, by several threads: it has to be mended */
     PBW_ARRAY(unsigned char) beyond;       /* of each vertex: which faces of a tetrahedron it is beyond */
     pbwfill__indices corners;              /* of the triangles: canonical points */
     PBW_ARRAY(pbwfill__edge) edges;
@@ -1317,42 +1320,48 @@ static pbw_status pbwfill__mend_piece(pbwfill__work *w, pbw_index i, pbwfill__in
          ? PBW_OK : PBW_ERROR_MEMORY;
 }
 
-/* Fills the queue with the pieces between touched vertices. */
-static int pbwfill__list_touched(pbwfill__work *w, pbwfill__indices *queue)
+/* Notes in `noted` which pieces between touched vertices are no edges. */
+static pbw_status pbwfill__note_missing(void *arg, size_t from, size_t to)
 {
+    pbwfill__work *w = (pbwfill__work *)arg;
     size_t i;
-    queue->count = 0;
-    for (i = 0; i < w->pieces.count; i++) {
+    for (i = from; i < to; i++) {
         const pbwfill__piece *p = w->pieces.at + i;
-        if (w->touched.at[p->a] && w->touched.at[p->b] && !PBW_PUSH(&w->memory, *queue, (pbw_index)i)) {
-            return 0;
-        }
+        pbwfill__sight sight;
+        w->noted.at[i] = w->touched.at[p->a] && w->touched.at[p->b] && pbwfill__look_along(w, p, &sight);
+    }
+    return PBW_OK;
+}
+
+/* Fills the queue with those pieces. */
+static pbw_status pbwfill__list_missing(pbwfill__work *w, pbwfill__indices *queue)
+{
+    pbw_status status = PBW_FIT(&w->memory, w->noted, w->pieces.count) ? PBW_OK : PBW_ERROR_MEMORY;
+    size_t i;
+    status = status != PBW_OK ? status : pbw_for(pbwfill__inner_options(w), w->pieces.count, PBWFILL__GRAIN,
+                                                 pbwfill__note_missing, w);
+    queue->count = 0;
+    for (i = 0; status == PBW_OK && i < w->pieces.count; i++) {
+        status = !w->noted.at[i] || PBW_PUSH(&w->memory, *queue, (pbw_index)i) ? PBW_OK : PBW_ERROR_MEMORY;
     }
     memset(w->touched.at, 0, w->touched.count);
-    return 1;
+    return status;
 }
 
 static pbw_status pbwfill__recover_segments(pbwfill__work *w)
 {
     pbwfill__indices queue = { NULL, 0, 0 };
-    pbw_status status = PBW_OK;
+    pbw_status status;
     size_t i, round;
-    pbwfill__sight sight;
     memset(w->touched.at, 1, w->touched.count);
-    for (i = 0; i < w->pieces.count; i++) {
-        w->report->missing_segments += (size_t)pbwfill__look_along(w, w->pieces.at + i, &sight);
-    }
-    for (round = 0; status == PBW_OK; round++) {
-        if (!pbwfill__list_touched(w, &queue)) {
-            status = PBW_ERROR_MEMORY;
-        }
-        if (queue.count == 0) {
-            break;
-        }
+    status = pbwfill__list_missing(w, &queue);
+    w->report->missing_segments = queue.count;
+    for (round = 0; status == PBW_OK && queue.count > 0; round++) {
         for (i = 0; status == PBW_OK && i < queue.count; i++) {
             status = pbwfill__tick(w, 1 - 1 / (1 + (double)round)) ? PBW_CANCELLED
                    : pbwfill__mend_piece(w, queue.at[i], &queue);
         }
+        status = status != PBW_OK ? status : pbwfill__list_missing(w, &queue);
     }
     PBW_RELEASE(&w->memory, queue);
     return status;
@@ -1426,7 +1435,7 @@ static int pbwfill__meets(const pbwfill__work *w, pbw_index p, pbw_index q, cons
     return !low || !high;
 }
 
-/* In `beyond`: bits 0 to 2 and BEHIND are for the faces of a tetrahedron v d, across from v[0] to v[2] and from d: that
+/* In `beyond`: bits 0 to 2 and BEHIND are for the faces of a tetrahedron v d, across from v[0] to v[2] and from d:
    the vertex is strictly beyond, or a corner of it. */
 enum { PBWFILL__BEHIND = 8, PBWFILL__CANDIDATE = 16 };
 
@@ -3434,6 +3443,23 @@ static pbw_status pbwfill__mend(pbwfill__work *w, pbw_index t, pbwfill__doubles 
     return status;
 }
 
+/* Whether a tetrahedron is kept, but not positive. */
+static int pbwfill__is_turned(const pbwfill__work *w, size_t t)
+{
+    const pbw_index *c = w->tets.at[t].v;
+    return c[0] != PBW_NONE && w->region.at[t] != PBW_NONE && pbwfill__orient(w, c[0], c[1], c[2], c[3]) <= 0;
+}
+
+static pbw_status pbwfill__note_turned(void *arg, size_t from, size_t to)
+{
+    pbwfill__work *w = (pbwfill__work *)arg;
+    size_t i;
+    for (i = from; i < to; i++) {
+        w->noted.at[i] = (unsigned char)pbwfill__is_turned(w, i);
+    }
+    return PBW_OK;
+}
+
 static pbw_status pbwfill__find_places(pbwfill__work *w)
 {
     pbwfill__doubles grid = { NULL, 0, 0 };
@@ -3441,17 +3467,18 @@ static pbw_status pbwfill__find_places(pbwfill__work *w)
     size_t i, k, changes = 1;
     memset(w->sign.at, 1, w->sign.count);            /* one side only */
     while (changes > 0 && status == PBW_OK) {
+        const size_t count = w->tets.count;
         changes = w->report->flat_tets = 0;
-        for (i = 0; i < w->tets.count && status == PBW_OK; i++) {
-            const pbw_index *c = w->tets.at[i].v;
+        status = !PBW_FIT(&w->memory, w->noted, count) ? PBW_ERROR_MEMORY
+               : pbw_for(pbwfill__inner_options(w), count, PBWFILL__GRAIN, pbwfill__note_turned, w);
+        for (i = 0; i < count && status == PBW_OK; i++) {
             int done = 0;
-            if (c[0] == PBW_NONE || w->region.at[i] == PBW_NONE || pbwfill__orient(w, c[0], c[1], c[2], c[3]) > 0) {
+            if (!w->noted.at[i] || !pbwfill__is_turned(w, i)) {
                 continue;
             }
             status = pbwfill__tick(w, 1) ? PBW_CANCELLED : pbwfill__mend(w, (pbw_index)i, &grid, &done);
-            c = w->tets.at[i].v;
-            for (k = 0; k < 4 && !done && status == PBW_OK && pbwfill__orient(w, c[0], c[1], c[2], c[3]) <= 0; k++) {
-                const size_t v = 3 * (size_t)c[k];
+            for (k = 0; k < 4 && !done && status == PBW_OK && pbwfill__is_turned(w, i); k++) {
+                const size_t v = 3 * (size_t)w->tets.at[i].v[k];
                 changes += (size_t)pbwfill__differ(w->x.at + v, grid.at + v);
                 memcpy(w->x.at + v, grid.at + v, 3 * sizeof *grid.at);
             }
@@ -3827,6 +3854,7 @@ static void pbwfill__release(pbwfill__work *w)
     PBW_RELEASE(m, w->seen);
     PBW_RELEASE(m, w->touched);
     PBW_RELEASE(m, w->beyond);
+    PBW_RELEASE(m, w->noted);
     PBW_RELEASE(m, w->corners);
     PBW_RELEASE(m, w->edges);
     PBW_RELEASE(m, w->sides);
