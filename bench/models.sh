@@ -5,7 +5,8 @@
 # at the end how many have which verdict.
 # Without models: the surfaces of CGAL's demo data, from /usr/share/doc/libcgal-dev/data.tar.gz or the folder DATA.
 #   good      a boundary that is a manifold with the Euler number of the surface, at most 0.15 sizes away (0.3 if it
-#             has no sharp edges), dihedral angles of at least 20 degrees, or 9/10 of an acute edge's
+#             has no sharp edges), dihedral angles of at least 20 degrees, or 9/10 of an acute edge's; of wraps: these
+#             angles, and at most one size away
 #   made      tetrahedra of a rival, which are not judged: its least angle is in the table
 #   refused   the program's message follows
 # Gmsh: surfaces classified by 40 degrees and meshed again.  TetGen: -pq1.4/15 with the volume of a regular
@@ -32,10 +33,12 @@ judge() {   # judge PROGRAM-NAME STATUS
         /sharp edge/ && /^sample/ { sharp = $6; if (sharp == 0) most = 0.3 }
         / sharp edges?: (some|none)/ { if ($0 ~ /edges?: none/) most = 0.3 }
         / tetrahedra in / { tets = $1 }
-        /^after: / { split($0, part, "angles "); angle = part[2] + 0 }
+        /^after: *dihedral/ { split($0, part, "angles "); angle = part[2] + 0 }
         /^Euler number/ { sub(/,/, "", $3); euler = $3; split($0, part, "surface "); right = part[2] + 0
                           split($0, part, "manifold "); faults = part[2] + 0; sub(/.*points /, ""); faults += $1 }
         /^Hausdorff/ { distance = $3 }
+        /^[0-9]+ tetrahedra, / { tets = $1; most = 1 }
+        /^after: *the boundary/ { distance = $7 }
         /below 60 degrees/ { split($0, part, "least "); acute = part[2] + 0 }
         /Euler number of the boundary/ { wrong = 1 }
         { if ($0 != "") last = $0 }
