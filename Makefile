@@ -122,11 +122,12 @@ BINDING = $(wildcard examples/python/*.c)
 $B/libpbw_python.so: $(BINDING) examples/python/pbw_python.h $(HEADERS) $B/libpbw.a $B/companions.a
 	$C $(IMPLEMENTED) -fPIC -shared $(BINDING) -o $@ $B/companions.a $B/libpbw.a $(LIBS)
 
-# `make test` compiles tests and examples with -O1, but for the slowest tests; what they link has CFLAGS.
+# Tests are compiled with -O1 for -O2, but for the slowest, and so are examples by `make test`; what they link has CFLAGS.
 $(TESTS:%=$B/%): $B/%: tests/%.c $(HEADERS) $B/libpbw.a $B/companions.a
 	$C $< -o $@ $B/companions.a $B/libpbw.a $(LIBS)
+$(patsubst %,$B/%,$(filter-out $(SLOWEST),$(TESTS))): private CFLAGS := $(CFLAGS:-O2=-O1)
 ifdef QUICK
-$(patsubst %,$B/%,$(filter-out $(SLOWEST),$(TESTS)) $(EXAMPLES)): private CFLAGS := $(CFLAGS:-O2=-O1)
+$(EXAMPLES:%=$B/%): private CFLAGS := $(CFLAGS:-O2=-O1)
 endif
 
 $B/test_tilefile: examples/program/tiles.c examples/program/pbwt.c

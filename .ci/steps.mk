@@ -14,7 +14,7 @@ COMMON = hashes interface packaging page plane program python queries seam tiles
 # limits and companion headers run with gcc and, compiled by clang, under sanitizers; that clang at its highest level
 # makes what gcc makes of companion headers, hashes compares.
 OTHERWISE = $(addprefix test_,adapt2 api cells check clip contract crossings empty fill groups improve interpolate io \
-    levels mesh2 mesh3 order read resources sample syscalls tilefile tiles tools view wrap)
+    levels live_query mesh2 mesh3 order read resources sample scalar syscalls tilefile tiles tools view wrap)
 
 .PHONY: all logs packages $(ALL)
 all: $(ALL)

@@ -18,7 +18,10 @@ whole() {   # whole NAME FILE: compiles it in one command, which has pbw.h's imp
     shift 2
     case $name in
     hello | raii) ;;
-    *) "$@" -I. -fsyntax-only && "$@" -I. -E | grep -q 'uint64_t pbw_hash(.*)$'; return ;;
+    *)
+        "$@" -I. -fsyntax-only && { grep -q '^#define PBW_IMPLEMENTATION' "examples/$name".c* ||
+            "$@" -I. -E | grep -q 'uint64_t pbw_hash(.*)$'; }
+        return ;;
     esac
     "$@" -O0 -I. -o "$work/whole" -lpthread -lm && prints "$work/whole" "$printed"
 }

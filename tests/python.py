@@ -1065,8 +1065,8 @@ def command(*words, **environment):
 
 @test
 def installed_by_pip():
-    """From the source tree, and from a source archive, compiled there, without network.  With QUICK from the tree only,
-    by a compiler that looks at the sources and hands over the library that is compiled already."""
+    """From the source tree, by a compiler that looks at the sources and hands over the library that is compiled already;
+    and, but with QUICK, from a source archive, compiled there.  Without network."""
     if command("-m", "pip", "--version")[0] != 0:
         raise Skip("no pip")
     points = np.random.default_rng(13).random((50, 3))
@@ -1076,14 +1076,13 @@ def installed_by_pip():
         status, said = command("-c", "import build; build.build_sdist(%r)" % folder, PYTHONPATH="examples/python")
         check(status == 0, said)
         archive = os.path.join(folder, "pbw-%s.tar.gz" % pbw.__version__)
-        quick, compiler = os.environ.get("QUICK"), os.environ.get("CC") or "cc"
-        if quick:
-            with open(os.path.join(folder, "quick.sh"), "w") as file:
-                file.write("%s -fsyntax-only \"$@\" || exit 1\nwhile [ $# != 0 ]; do\n"
-                           "    [ $1 != -o ] || exec cp '%s' $2\n    shift\ndone\n"
-                           % (compiler, os.path.abspath(os.environ["PBW_LIBRARY"])))
-            compiler = "sh " + file.name
-        for source in ["./examples/python", archive][:1 if quick else 2]:
+        compiler = os.environ.get("CC") or "cc"
+        with open(os.path.join(folder, "quick.sh"), "w") as file:
+            file.write("%s -fsyntax-only \"$@\" || exit 1\nwhile [ $# != 0 ]; do\n"
+                       "    [ $1 != -o ] || exec cp '%s' $2\n    shift\ndone\n"
+                       % (compiler, os.path.abspath(os.environ["PBW_LIBRARY"])))
+        ways = [("./examples/python", "sh " + file.name), (archive, compiler)]
+        for source, compiler in ways[:1 if os.environ.get("QUICK") else 2]:
             site = os.path.join(folder, "site" + str(source == archive))
             status, said = command("-m", "pip", "install", "--no-index", "--no-deps", "--no-warn-script-location",
                                    "--target", site, source, CC=compiler, CFLAGS="-O0")
