@@ -236,7 +236,7 @@ DEBUG = -g1                     # reports with lines, for a fifth of the time of
 SANITIZE_asan = address
 SANITIZE_ubsan = undefined -fno-sanitize-recover=all
 SANITIZE_tsan = thread
-SANITIZE_sanitize = address,undefined -fno-sanitize-recover=all
+SANITIZE_sanitize = address,undefined -fno-sanitize-recover=all -fno-sanitize=object-size   # which `address` sees, too
 SANITIZED_test_resources = --without '1 threads' --without 'threads, '     # two of 12 builds of 200,000 points
 
 # All but builds of 10,000 points and more, which take minutes there, and the test that reads a thread's dead stack.

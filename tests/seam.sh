@@ -38,11 +38,10 @@ listed() {
         inside && /^     (pbw|PBW)[A-Za-z0-9]*__/ { for (i = 2; i < NF; i++) print $1, $i }' "$1" | LC_ALL=C sort
 }
 used() {        # used NAME PREFIX: the same, of what the other headers use of that one
-    grep -i "^$2__" "$work/$1.names" > "$work/own"
-    for user in examples/lib/*.h; do
-        stem=$(basename "$user" .h)
-        [ "$stem" = "$1" ] || LC_ALL=C comm -12 "$work/$stem.names" "$work/own" | sed "s/\$/ ${stem#pbw_}/"
-    done | LC_ALL=C sort
+    awk -v prefix="$(echo "$2" | tr A-Z a-z)__" -v own="$1" '
+        FNR == 1 { files++; user = FILENAME; gsub(/.*\/|[.]names$/, "", user); stem = user; sub(/^pbw_/, "", stem) }
+        files == 1 { if (index(tolower($0), prefix) == 1) known[$0] = 1; next }
+        user != own && ($0 in known) { print $0, stem }' "$work/$1.names" "$work"/pbw_*.names | LC_ALL=C sort
 }
 agrees() {      # agrees NAME LIST: of the list in this file < is listed only, > is used only
     used "$1" "$(sed -n 's/^#define \(PBW[A-Z0-9]*\)__SEAM .*/\1/p' "$2")" > "$work/used"
