@@ -619,7 +619,7 @@ static void test_tiles(void)
     int k, flat;
     for (flat = 0; flat < 2; flat++) {
         if (test_begin("neighbours that share edges%s", flat ? ", spikes, flat rings" : "")) {
-            for (k = 0; k < 150; k++) {
+            for (k = 0; k < TEST_SIZE(150); k++) {
                 uint64_t state = test_seed * 1000033 + (uint64_t)k;
                 unsigned char tiles[TILES][TILES];
                 double x[2 * 24], w[24], volumes[24], sum = 0;
@@ -687,7 +687,7 @@ static void test_fans(void)
     static polygon p;
     int k;
     if (test_begin("parts that touch in a corner where cells meet")) {
-        for (k = 0; k < TEST_SIZE(600); k++) {
+        for (k = 0; k < TEST_SIZE(300); k++) {
             uint64_t state = test_seed * 1000037 + (uint64_t)k;
             double x[2 * 24], volumes[24];
             const size_t first[2] = { 0, 3 };
