@@ -23,8 +23,7 @@ FUZZERS = $(patsubst tests/%.c,%,$(wildcard tests/fuzz_*.c))
 HEADERS = pbw.h $(wildcard tests/*.h examples/*.h examples/lib/*.h examples/program/*.h)
 SCRIPTS = $(filter packaging interface hashes examples asm oracle cells cmake csharp cuda fill gappa install page plane \
     python program programs queries seam tiles view web, $(patsubst tests/%.sh,%,$(wildcard tests/*.sh)))
-# `make test` leaves these to `make test-all`, and tells the scripts by QUICK that one compiler is enough; it leaves out
-# tests and scripts of WITHOUT, too.
+# `make test` leaves these to `make test-all`, and tells the scripts by QUICK that one compiler is enough.
 LONG = asm cells cmake csharp cuda gappa install oracle programs view web
 SUITES = test test-all programs examples oracle asm arm names fuzz-long
 export CC CXX
@@ -192,7 +191,7 @@ $B/hashes.log $B/tiles.log: $B/companions.a
 FIRST = $(filter $(SLOWEST),$(TESTS))
 REST = $(filter-out $(SLOWEST),$(TESTS))
 test-all: LOGS = $(patsubst %,$B/%.log,$(FIRST) $(SCRIPTS) $(REST))
-test: LOGS = $(patsubst %,$B/%.log,$(FIRST) $(filter-out $(LONG) $(WITHOUT),$(SCRIPTS) $(REST)))
+test: LOGS = $(patsubst %,$B/%.log,$(FIRST) $(filter-out $(LONG),$(SCRIPTS)) $(REST))
 test-all test programs: BEFORE = $B/libpbw.a $(FIRST:%=$B/%)
 test: export QUICK = 1
 QUICK_test_answer = --count 6000

@@ -5,16 +5,13 @@ gcc = test-all CC=gcc CXX=g++ COUNT_test_answer=6000 COUNT_test_predicates=50000
     COUNT_test_threads=500 COUNT_test_tiles=1000
 sanitize = sanitize CC=clang DEBUG= COUNT=300 COUNT_test_clip=150 COUNT_test_fill=20 COUNT_test_live=80 \
     COUNT_test_live_local=40 COUNT_test_scalar=150 COUNT_test_threads=150 COUNT_test_wrap=20
-clang = test CC=clang CXX=clang++ WITHOUT='$(COMMON) $(OTHERWISE)'
+clang = test CC=clang CXX=clang++ SCRIPTS=examples TESTS='test_answer test_digits test_live test_live_local \
+    test_predicates test_query test_threads'
 arm = arm CC=gcc
 tsan = tsan CC=gcc COMPANIONS= TESTS='test_threads test_live_local' COUNT_test_threads=150 COUNT_test_live_local=4
-# Scripts for which the compiler makes no difference, or which take several compilers themselves, run with gcc only.
-COMMON = hashes interface packaging page plane program python queries seam tiles
-# With clang the tests of signs, threads, live triangulations and queries run at full speed.  Those of files, arguments,
-# limits and companion headers run with gcc and, compiled by clang, under sanitizers; that clang at its highest level
-# makes what gcc makes of companion headers, hashes compares.
-OTHERWISE = $(addprefix test_,adapt2 api cells check clip contract crossings empty fill groups improve interpolate io \
-    levels live_query mesh2 mesh3 order read resources sample scalar syscalls tilefile tiles tools view wrap)
+# Scripts test a program or take several compilers themselves, so they run with gcc only.  With clang at full speed run
+# the tests of signs, threads, live triangulations and queries; all others run with gcc and, compiled by clang, under
+# sanitizers.  That clang at its highest level makes of companion headers what gcc makes, hashes.sh compares.
 
 .PHONY: all logs packages $(ALL)
 all: $(ALL)
