@@ -67,6 +67,10 @@
      pbw_cuda_free           frees it
      pbw_cuda_loop_create    points that move on the GPU
      pbw_cuda_loop_step      triangulates them at their new places
+     pbw_cuda_cells_of       cells of such a triangulation
+     pbw_cuda_cells_of_host  cells of points in the host's memory
+     pbw_cuda_cells_free     frees them
+     pbw_cuda_loop_cells     cells of points that move
      pbw_cuda_loop_free      frees them
 
    CONTENTS  (search for the marks)

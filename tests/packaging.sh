@@ -246,7 +246,7 @@ done
 # The index at the top of each header has its functions, in the order of their declarations, one line each.
 cat > "$work/declared.awk" << 'END'
 /^#if.*IMPLEMENT/ { exit }
-/^(PBW[A-Z0-9]*DEF|PBW_INLINE|PBW__HOST_INLINE|extern) [^(]*\(/ { sub(/\(.*/, ""); sub(/.*[ *]/, ""); if (!/__/) print }
+/^((PBW__DEVICE )?PBW[A-Z0-9]*DEF|PBW_INLINE|PBW__HOST_INLINE|extern) [^(]*\(/ { sub(/\(.*/, ""); sub(/.*[ *]/, ""); if (!/__/) print }
 END
 for file in pbw.h examples/lib/*.h; do
     awk -f "$work/declared.awk" "$file" > "$work/declared"

@@ -8797,10 +8797,9 @@ static pbwio_status pbwio__read(const char *name, const void *data, size_t size,
     r.options = options == NULL ? &defaults : options;
     r.cloud = cloud;
     r.error = error;
-    r.budget = (size > (size_t)-1 / 16 ? (size_t)-1 / 2 : 8 * size) + 65536;
-    r.group[0] = r.group[1] = r.group[2] = r.group[3] = PBW_NONE;
     r.held = cloud->memory.used;
-    r.budget += r.held;
+    r.budget = (size > (size_t)-1 / 16 ? (size_t)-1 / 2 : 8 * size) + 65536 + r.held;
+    r.group[0] = r.group[1] = r.group[2] = r.group[3] = PBW_NONE;
     if (r.options->dim != 0 && r.options->dim != 2 && r.options->dim != 3) {
         return pbwio__file_error(error, PBWIO_ERROR_ARGUMENT, name, "dimension %d is not 2 or 3", r.options->dim);
     }

@@ -1,4 +1,4 @@
-/* library.c: pbw.h, checks, queries, live points, cells, samples and tiles are compiled here, others in library_*.c. */
+/* library.c: pbw.h, checks, queries, live points, cells, samples and tiles are here, others in library_*.c. */
 #define PBW_IMPLEMENTATION
 #include "pbw.h"
 #define PBW_CHECK_IMPLEMENTATION
