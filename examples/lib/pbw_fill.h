@@ -3198,6 +3198,7 @@ static pbw_status pbwfill__try_place(pbwfill__inside *in, pbw_index t, const dou
             return PBW_ERROR_MEMORY;
         }
     }
+    w->region.count = w->tets.count;
     w->report->inside_points++;
     *taken = 1;
     return PBW_OK;
