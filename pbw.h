@@ -69,6 +69,7 @@
      pbw_cuda_loop_step      triangulates them at their new places
      pbw_cuda_cells_of       cells of such a triangulation
      pbw_cuda_cells_of_host  cells of points in the host's memory
+     pbw_cuda_cells_periodic  the same in a box that repeats
      pbw_cuda_cells_free     frees them
      pbw_cuda_loop_cells     cells of points that move
      pbw_cuda_loop_free      frees them
