@@ -1,8 +1,8 @@
 #!/bin/sh
 # models.sh PROGRAM [MODEL...]: `PROGRAM solid` at its default size on one thread, and Gmsh and TetGen at that size where
-# they are installed, each for at most LIMIT seconds of processor time (default 60) a model; JOBS models (1) at a time.
-# RIVALS= leaves the rivals out.  Where PROGRAM refuses, it runs with --wrap, too, if it has that.  A line for each, and
-# at the end how many have which verdict.
+# they are installed, each for at most LIMIT seconds of processor time (default 60) a model, Gmsh and TetGen for
+# RIVAL_LIMIT if that is given; JOBS models (1) at a time.  RIVALS= leaves the rivals out.  Where PROGRAM refuses, it runs
+# with --wrap, too, if it has that; WRAPS= leaves this out.  A line for each, and at the end how many have which verdict.
 # Without models: the surfaces of CGAL's demo data, from /usr/share/doc/libcgal-dev/data.tar.gz or the folder DATA.
 #   good      a boundary that is a manifold with the Euler number of the surface, at most 0.15 sizes away (0.3 if it
 #             has no sharp edges), dihedral angles of at least 20 degrees, or 9/10 of an acute edge's; of wraps: these
@@ -75,10 +75,11 @@ rival() {   # rival NAME MESH COMMAND...
 one() {
     name=$(basename "$model" .off)
     solid pbw | tee "$work/row"
-    if grep -q ' refused: ' "$work/row" && "$pbw" solid --help | grep -q -e ' --wrap'; then
+    if [ -n "${WRAPS-1}" ] && grep -q ' refused: ' "$work/row" && "$pbw" solid --help | grep -q -e ' --wrap'; then
         solid pbw-wrap --wrap
     fi
     [ -n "${RIVALS-1}" ] || return
+    limit=${RIVAL_LIMIT:-$limit}
     cp "$model" "$work/in.off"
     size=$(diagonal "$model" | awk '{ printf "%.9g", $1 / 40 }')
     "$pbw" convert "$model" "$work/in.stl" > "$work/report" 2>&1 && [ -n "$size" ] || return

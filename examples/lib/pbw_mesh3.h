@@ -49,7 +49,8 @@
         - in the middle of pieces of sharp edges that are no edges of the mesh, and it removes the points in the
           diametral balls of these pieces;
         - where the boundary is no manifold;
-        - if there is nothing else to add, on tips and ridges of the surface that are far from the boundary.
+        - if there is nothing else to add, on tips and ridges of the surface that are far from the boundary: there
+          improvement leaves them where they are, unless tetrahedra stay below the target for that.
       If nothing is left, but tips stay far, as points would be too near to others, the sizes around them are halved,
       up to twice, and rounds go on, unless that leads to faults of the boundary.  Rounds end when none of these is
       left, or after options.rounds.
@@ -277,7 +278,8 @@ PBW_CONTRACTION_OFF                        /* fused operations would give other 
    Holds: kind[p] says what point p is on; pieces are the parts of sharp chains between neighbouring samples; label[t]
    is 0 for tetrahedra outside; each point is in the list of its cell of the spacing grid.
    ------------------------------------------------------------------------------------------------------ */
-enum { PBWM3__SHARP, PBWM3__SMOOTH, PBWM3__INSIDE, PBWM3__REMOVED }; /* removed: it lies on another point */
+/* Tip: on a smooth part, where without it the surface would be far from the boundary.  Removed: on another point. */
+enum { PBWM3__SHARP, PBWM3__TIP, PBWM3__SMOOTH, PBWM3__INSIDE, PBWM3__REMOVED };
 enum { PBWM3__BATCH = 8192 };              /* samples of the surface that threads compute at once */
 
 typedef PBW_ARRAY(int) pbwm3__labels;
@@ -4051,27 +4053,28 @@ static int pbwm3__needs_point(const pbwm3__work *w, size_t t, int i, pbwm3__new_
     return i < 3 || !pbwm3__is_near_surface(w, p);
 }
 
-/* Adds a point of the surface unless others of the surface are near; it takes the place of a near point inside.
-   Returns 1 if it was added, 0 if not, -1 without memory. */
-static int pbwm3__add_if_far(pbwm3__work *w, const double p[3], size_t patch, double from_sharp, double from_smooth)
+/* Adds a point of the surface, smooth or a tip, unless others of the surface are near; it takes the place of a near
+   point inside.  Returns 1 if it was added, 0 if not, -1 without memory. */
+static int pbwm3__add_if_far(pbwm3__work *w, const double p[3], int kind, size_t patch, double from_sharp,
+                             double from_smooth)
 {
     const double size = pbwm3__size(w, p);
     pbw_index inside;
     if (pbwm3__nearest(w, p, from_sharp * size, PBWM3__SHARP, PBWM3__SHARP) != PBW_NONE
-        || pbwm3__nearest(w, p, from_smooth * size, PBWM3__SMOOTH, PBWM3__SMOOTH) != PBW_NONE) {
+        || pbwm3__nearest(w, p, from_smooth * size, PBWM3__TIP, PBWM3__SMOOTH) != PBW_NONE) {
         return 0;
     }
     inside = pbwm3__nearest(w, p, 0.45 * size, PBWM3__INSIDE, PBWM3__INSIDE);
     if (inside != PBW_NONE) {
         pbwm3__take_from_cell(w, inside);
         memcpy(w->x.at[inside], p, 3 * sizeof *p);
-        w->kind.at[inside] = PBWM3__SMOOTH;
+        w->kind.at[inside] = (unsigned char)kind;
         w->set.at[inside] = (pbw_index)patch;
         w->moved.at[inside] = 1;
         pbwm3__put_in_cell(w, inside);
         return 1;
     }
-    return pbwm3__add(w, p, PBWM3__SMOOTH, patch) == PBW_NONE ? -1 : 1;
+    return pbwm3__add(w, p, kind, patch) == PBW_NONE ? -1 : 1;
 }
 
 /* Adds points at bad edges and bad points of the boundary.  Returns how many, -1 without memory. */
@@ -4093,7 +4096,7 @@ static long pbwm3__refine_boundary(pbwm3__work *w)
         double p[3];
         pbwsf__between(w->x.at[pair[0]], w->x.at[pair[1]], 0.5, p);
         patch = pbwm3__to_surface(w, p);
-        got = pbwm3__add_if_far(w, p, patch, 0.08, 0.08);
+        got = pbwm3__add_if_far(w, p, PBWM3__SMOOTH, patch, 0.08, 0.08);
         added += got;
     }
     for (i = 0; got >= 0 && top.bad_points > 0 && i < facets.count; i++) {
@@ -4105,7 +4108,7 @@ static long pbwm3__refine_boundary(pbwm3__work *w)
                 p[k] = (w->x.at[f[0]][k] + w->x.at[f[1]][k] + w->x.at[f[2]][k]) / 3;
             }
             patch = pbwm3__to_surface(w, p);
-            got = pbwm3__add_if_far(w, p, patch, 0.08, 0.08);
+            got = pbwm3__add_if_far(w, p, PBWM3__SMOOTH, patch, 0.08, 0.08);
             added += got;
         }
     }
@@ -4165,7 +4168,7 @@ static void pbwm3__clear_ball(pbwm3__work *w, const pbwm3__piece *piece)
     pbw_index p;
     pbwsf__between(a, b, 0.5, middle);
     do {
-        p = pbwm3__nearest(w, middle, 0.5 * pbwsf__distance(a, b), PBWM3__SMOOTH, PBWM3__INSIDE);
+        p = pbwm3__nearest(w, middle, 0.5 * pbwsf__distance(a, b), PBWM3__TIP, PBWM3__INSIDE);
         if (p != PBW_NONE) {
             pbwm3__remove_point(w, p);
         }
@@ -4284,7 +4287,7 @@ static pbw_status pbwm3__round(pbwm3__work *w, long *added)
         if (pbwm3__ends_at(w, i, 256)) {
             return PBW_CANCELLED;
         }
-        got = pbwm3__add_if_far(w, point[i].p, point[i].patch, 0.3, 0.25);
+        got = pbwm3__add_if_far(w, point[i].p, PBWM3__SMOOTH, point[i].patch, 0.3, 0.25);
         if (got == 0 && point[i].inside != PBW_NONE && w->kind.at[point[i].inside] == PBWM3__INSIDE) {
             pbwm3__remove_point(w, point[i].inside);
             got = 1;
@@ -4411,7 +4414,7 @@ static long pbwm3__add_places(pbwm3__work *w, pbwm3__place_list *places, int hal
         size_t patch;
         memcpy(p, place[i].p, sizeof p);
         patch = pbwm3__to_surface(w, p);
-        got = pbwm3__add_if_far(w, p, patch, 0.3, 0.25);
+        got = pbwm3__add_if_far(w, p, PBWM3__TIP, patch, 0.3, 0.25);
         added += got;
         if (halve && got == 0 && place[i].distance > PBWM3__TIP_DISTANCE * w->distance * w->size) {
             pbwm3__halve_size(w, p);
@@ -4676,13 +4679,51 @@ static int pbwm3__find_regions(pbwm3__work *w, pbw_tets *in)
     return good;
 }
 
+enum { PBWM3__FEW = 500 };                 /* if fewer than one of so many is bad, tips may be why */
+
+/* Improves once more, with tips that may move. */
+static pbw_status pbwm3__improve_tips(pbwm3__work *w, const pbw_improve_options *improve, pbw_options *own,
+                                      pbw_tets *out)
+{
+    pbw_improve_report *sum = &w->report->improve, more;
+    pbw_tets in = *out, better;
+    pbwsf__flags marks = { NULL, 0, 0 };
+    pbw_status status;
+    size_t i;
+    if (!PBW_FIT(&w->memory, marks, in.point_count)) {
+        return PBW_ERROR_MEMORY;
+    }
+    for (i = 0; i < in.point_count; i++) {
+        const int tip = in.original[i] != PBW_NONE && w->kind.at[in.original[i]] == PBWM3__TIP;
+        marks.at[i] = tip ? PBW_TETS_FOUND : in.marks[i];
+    }
+    in.marks = marks.at;
+    w->from = w->to;                                 /* its progress was the first one's */
+    own->memory_limit = pbw_memory_left(&w->memory);
+    status = pbw_improve(&in, improve, own, &better, &more);
+    PBW_RELEASE(&w->memory, marks);
+    if (status == PBW_OK) {
+        pbw_index *original = (pbw_index *)better.original;
+        for (i = 0; i < better.point_count; i++) {
+            original[i] = original[i] != PBW_NONE ? in.original[original[i]] : PBW_NONE;
+        }
+        w->memory.used += pbwim__result_bytes(&better) - pbwim__result_bytes(out);
+        pbw_tets_free(out);
+        *out = better;
+        sum->after = more.after;
+        sum->left = more.left;
+        sum->passes += more.passes;
+    }
+    return status;
+}
+
 static pbw_status pbwm3__improve(pbwm3__work *w, pbw_tets *out)
 {
     pbw_improve_options improve = w->how.improve;
     pbw_options own = w->options;
     pbw_status status;
     pbw_tets in;
-    size_t t, i;
+    size_t t, i, tips = 0;
     memset(&in, 0, sizeof in);
     if (!pbwm3__find_regions(w, &in)) {
         return PBW_ERROR_MEMORY;
@@ -4696,7 +4737,8 @@ static pbw_status pbwm3__improve(pbwm3__work *w, pbw_tets *out)
         return PBW_ERROR_MEMORY;
     }
     for (i = 0; i < w->x.count; i++) {
-        w->marks.at[i] = w->kind.at[i] == PBWM3__SHARP ? PBW_TETS_FIXED : PBW_TETS_FOUND;
+        w->marks.at[i] = w->kind.at[i] <= PBWM3__TIP ? PBW_TETS_FIXED : PBW_TETS_FOUND;
+        tips += w->kind.at[i] == PBWM3__TIP;
     }
     if (w->corners.count == 0) {
         return PBW_DEGENERATE;
@@ -4719,7 +4761,9 @@ static pbw_status pbwm3__improve(pbwm3__work *w, pbw_tets *out)
     own.memory_limit = pbw_memory_left(&w->memory);
     status = pbw_improve(&in, &improve, &own, out, &w->report->improve);
     w->memory.used += pbwim__result_bytes(out);
-    return status;
+    return status == PBW_OK && tips > 0 && w->report->improve.left > 0 && improve.passes >= 0 && !pbwm3__is_late(w)
+           && w->report->improve.left < out->tet_count / PBWM3__FEW ? pbwm3__improve_tips(w, &improve, &own, out)
+         : status;
 }
 
 /* How far triangles are from a surface. */
@@ -5283,7 +5327,7 @@ static size_t pbwm3__faults(const pbw_solid_report *r)
 
 /* Makes a second attempt after one with faults or missing pieces: without sharp edges if some of them were kept, else
    with the surface as one patch.  If it has fewer, it takes the first one's place; if it fails, the first one stays,
-   unless the call was cancelled. */
+   unless the call was cancelled or memory is short: a limit changes no result. */
 static pbw_status pbwm3__second_attempt(pbwm3__call *call, pbwm3__work *w, double *done)
 {
     pbw_solid_report *r = w->report, report;
@@ -5315,7 +5359,7 @@ static pbw_status pbwm3__second_attempt(pbwm3__call *call, pbwm3__work *w, doubl
         w->memory.used -= second.memory.used;
     }
     pbwm3__free(&second);
-    return status == PBW_CANCELLED && !pbwm3__is_late(w) ? status : PBW_OK;
+    return (status == PBW_CANCELLED && !pbwm3__is_late(w)) || status == PBW_ERROR_MEMORY ? status : PBW_OK;
 }
 
 /* Improves and measures. */
