@@ -219,6 +219,12 @@ check "a page of the model" sh -c "grep -F \"data-simplices='8'\" faults.html &&
 "$pbw" convert meet.obj meet.stl --quiet
 check "corners are compared by place" says 1 "3 pairs of faces meet" check meet.stl
 check "a solid of them" says 0 "the surface meets itself: 3 pairs of faces, the first at (" solid meet.obj --size 1
+# A box without a lid, a tetrahedron through the opening.
+printf 'v %s\n' '0 0 0' '4 0 0' '4 4 0' '0 4 0' '0 0 4' '4 0 4' '4 4 4' '0 4 4' '2 2 3' '3 2 5' '1 3 5' '1 1 5' > lid.obj
+printf 'f %s\n' '1 3 2' '1 4 3' '1 2 6' '1 6 5' '2 3 7' '2 7 6' '3 4 8' '3 8 7' '4 1 5' '4 5 8' '9 10 11' '9 11 12' \
+    '9 12 10' '10 12 11' >> lid.obj
+check "holes closed by faces that meet others" says 0 "close holes meet the surface or each other: 6 pairs" \
+    solid lid.obj --size 1
 (cat closed.obj && echo 'v .5 .5 0' && printf 'f %s\n' '2 5 3' '1 2 3') > flat.obj
 check "a face without area" says 1 "1 face without area:" check flat.obj -o faults.csv
 check "where it is" grep -xF "  4 with a corner at (1, 0, 0)" said

@@ -92,9 +92,10 @@
    DOES NOT  settle at gaps of a shell below 1/10 of the size, nor always at acute edges: it warns.  Surfaces with
              walls below about 1/10 of the size on the whole are refused: report.thickness.
              Shells may be nested or cross; the edges where they cross are sharp if all sharp edges are kept, but
-             rounded where triangles lie on each other.  If shells coincide only in part, or with other triangles, the
-             space between is no region, or noise.  Where four walls meet inside, facets of interfaces may cut the
-             corner, by up to 0.15 sizes: see report.distance.  Points between two regions are not moved.
+             rounded where triangles lie on each other, and where those that close holes cross others.  If shells
+             coincide only in part, or with other triangles, the space between is no region, or noise.  Where four
+             walls meet inside, facets of interfaces may cut the corner, by up to 0.15 sizes: see report.distance.
+             Points between two regions are not moved.
              Smooth tips sharper than a cone of 60 degrees may stay farther from the boundary than options.distance.
 
    CONFIGURATION MACROS
@@ -221,6 +222,7 @@ typedef struct pbw_solid_report {
     size_t crossings;                      /* of the input: pairs of triangles that meet elsewhere than in common
                                               corners and edges, as pbw_surface_crossings finds them */
     double crossing_place[3];              /* where the first pair meets */
+    size_t closing_crossings;              /* pairs besides, with a triangle that closes a hole */
     int refusal;                           /* PBW_SOLID_FILLED, or why there is no result */
     size_t regions;                        /* of the result */
     int sharp;                             /* which sharp edges were kept: PBW_SOLID_SHARP_ALL, SOME or NONE */
@@ -1561,7 +1563,26 @@ static void pbwm3__middle_of(const pbwm3__work *w, pbw_index triangle, double p[
 
 /* ---- triangles that cross ---- */
 
-/* Counts pairs of triangles that meet elsewhere than in common corners and edges. */
+/* Counts pairs of triangles that meet elsewhere than in common corners and edges: those of the input, and others. */
+static void pbwm3__count_crossings(pbwm3__work *w, const pbw_surface_faults *faults)
+{
+    pbw_solid_report *report = w->report;
+    size_t i;
+    for (i = 0; i < faults->crossing_count; i++) {
+        const pbw_index *pair = faults->crossings + 2 * i;
+        if (pair[0] >= w->first_closing || pair[1] >= w->first_closing) {
+            report->closing_crossings++;
+        } else if (report->crossings++ == 0) {
+            memcpy(report->crossing_place, faults->segments + 6 * i, sizeof report->crossing_place);
+        }
+    }
+}
+
+static int pbwm3__has_crossings(const pbwm3__work *w)
+{
+    return w->report->crossings + w->report->closing_crossings > 0;
+}
+
 static pbw_status pbwm3__find_crossings(pbwm3__work *w)
 {
     const pbw_surface *s = &w->surface;
@@ -1570,10 +1591,7 @@ static pbw_status pbwm3__find_crossings(pbwm3__work *w)
                                                     pbwm3__inner_options(w), &faults);
     const size_t count = faults.crossing_count;
     int good = 1;
-    w->report->crossings = count;
-    if (count > 0) {
-        memcpy(w->report->crossing_place, faults.segments, sizeof w->report->crossing_place);
-    }
+    pbwm3__count_crossings(w, &faults);
     w->joined = count > 0 && !w->nested && !w->open && !w->walls;
     if (w->joined) {
         good = PBW_FIT(&w->memory, w->crossing, count) && PBW_FIT(&w->memory, w->segments, 6 * count);
@@ -2718,7 +2736,8 @@ static pbw_status pbwm3__find_chains(pbwm3__work *w)
     int good;
     memset(&graph, 0, sizeof graph);
     good = pbwm3__find_patches(w, &list) && (!w->open || pbwm3__drop_noise(w, &list));
-    w->kinks = good && w->joined && w->report->sharp == PBW_SOLID_SHARP_ALL && !pbwm3__are_layers(w);
+    w->kinks = good && w->joined && w->report->closing_crossings == 0 && w->report->sharp == PBW_SOLID_SHARP_ALL
+        && !pbwm3__are_layers(w);
     if (w->kinks) {
         status = pbwm3__join_edges(w, &list);
     }
@@ -3159,7 +3178,7 @@ static pbw_status pbwm3__fill_field(pbwm3__work *w)
 /* With chains and patches found.  The field is filled again while gaps between shells need too many tetrahedra. */
 static pbw_status pbwm3__make_field(pbwm3__work *w)
 {
-    const int apart = w->shells.count > 1 && !w->walls && w->report->crossings == 0 && !(w->how.least_size > 0);
+    const int apart = w->shells.count > 1 && !w->walls && !pbwm3__has_crossings(w) && !(w->how.least_size > 0);
     pbw_status status;
     size_t total = 1;
     int k;
@@ -4572,7 +4591,7 @@ static pbw_status pbwm3__rounds(pbwm3__work *w)
             w->timed = 1;
             status = pbwm3__cover_surface(w, 0, &added);
             if (status == PBW_OK && added == 0 && w->field.at != NULL && w->halvings < PBWM3__HALVINGS
-                && w->report->crossings == 0) {      /* else parts of the surface may be inside, and far for ever */
+                && !pbwm3__has_crossings(w)) {       /* else parts of the surface may be inside, and far for ever */
                 status = pbwm3__halve_sizes(w, &added);
                 most = w->how.rounds > 0 ? most : PBWM3__MORE_ROUNDS;
             }

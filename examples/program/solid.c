@@ -70,6 +70,10 @@ static void warn_of(const job *j, const pbw_solid_report *r)
         warn(j, "the surface meets itself: %zu pair%s of faces, the first at (%.6g, %.6g, %.6g); pbw check lists "
              "them", COUNT(r->crossings), r->crossing_place[0], r->crossing_place[1], r->crossing_place[2]);
     }
+    if (r->closing_crossings > 0) {
+        warn(j, "the triangles that close holes meet the surface or each other: %zu pair%s of faces; --wrap closes holes "
+             "without", COUNT(r->closing_crossings));
+    }
     if (r->acute_edges > 0) {
         warn(j, "%zu sharp edge%s of the surface below 60 degrees, the least %.2f: tetrahedra there are no better",
              COUNT(r->acute_edges), r->least_angle);
