@@ -143,6 +143,6 @@ int main(void)
 {
     const double coarse = solve_both(MOST / 2), fine = solve_both(MOST);
     const int good = fine < coarse / 2.5 && fine < 3e-3;
-    printf("half of the size, a quarter of the error, about: %s\n", good ? "yes" : "no");
+    printf("half of the size, at most 0.4 of the error: %s\n", good ? "yes" : "no");
     return !good;
 }

@@ -587,9 +587,8 @@ static pbw_options pbwim__inner_options(const pbw_options *options, const pbw_me
     return inner;
 }
 
-/* Finds the angles that 0.1 % and 1 % are below, among those below a bound
-   of bins that so many are.  Returns 0 if there is no
-   memory. */
+/* Finds the angles that 0.1 % and 1 % of the least angles are below.  It selects among those below the first bound of
+   10 degrees that more than 1 % are below.  Returns 0 if there is no memory. */
 static int pbwim__find_shares(pbwim__measuring *work, const pbw_options *options, pbw_memory *memory, size_t blocks,
                               pbw_quality *quality)
 {
