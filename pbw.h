@@ -157,7 +157,7 @@
    CONFIGURATION MACROS
      PBW_IMPLEMENTATION   in one source file: compile the implementation there
      PBW_STATIC           everywhere: make every function static (several private copies in one program)
-     PBWDEF               everywhere: your own linkage for the public functions
+     PBWDEF               everywhere: your own linkage for the public functions.  Both hold for the headers beside it
      PBW_CUDA             where a program calls pbw_cuda.cu: declares its functions; nvcc needs no such macro
      PBW_WIDE             where PBW_IMPLEMENTATION is: 64-bit links, up to 4.29e9 simplices instead of 1.07e9,
                           for 16 more bytes a simplex while building

@@ -50,16 +50,11 @@
 
    CONFIGURATION MACROS
      PBW_ADAPT2_IMPLEMENTATION    in one source file: compile the implementation there
-     PBWADAPT2DEF                 everywhere: your own linkage for the functions, for example static
 */
 #ifndef PBW_ADAPT2_H
 #define PBW_ADAPT2_H
 #ifndef PBW_MESH2_H
 #include "pbw_mesh2.h"
-#endif
-
-#ifndef PBWADAPT2DEF
-#define PBWADAPT2DEF extern
 #endif
 
 /* ------------------------------------------------------------------------------------------------------
@@ -96,12 +91,11 @@ typedef struct pbw_plane_quality {
 } pbw_plane_quality;
 
 /* The measure of the triangle a b c, counter-clockwise; of a flat one it may be infinite. */
-PBWADAPT2DEF double pbw_plane_measure_of(pbw_plane_measure measure, const double *a, const double *b,
-                                         const double *c);
+PBWDEF double pbw_plane_measure_of(pbw_plane_measure measure, const double *a, const double *b, const double *c);
 /* "minimum angle" and so on, as Verdict has it; "gamma" as Gmsh has it. */
-PBWADAPT2DEF const char *pbw_plane_measure_name(pbw_plane_measure measure);
+PBWDEF const char *pbw_plane_measure_name(pbw_plane_measure measure);
 /* Least, most, mean and histogram of a measure. */
-PBWADAPT2DEF pbw_plane_quality pbw_plane_quality_of(const pbw_plane *plane, pbw_plane_measure measure);
+PBWDEF pbw_plane_quality pbw_plane_quality_of(const pbw_plane *plane, pbw_plane_measure measure);
 
 /* ---- smoothing */
 
@@ -117,15 +111,15 @@ typedef enum pbw_plane_way {
    or below the least angle of the mesh.  keep: one a point, 1 = it must stay; NULL = only those on segments must.  Of
    options only `build` counts; NULL = defaults.  Fails as pbw_plane_make; the plane is then unchanged, except for
    `what`. */
-PBWADAPT2DEF pbw_status pbw_plane_smooth(pbw_plane *plane, pbw_plane_way way, int rounds, const unsigned char *keep,
-                                         const pbw_plane_options *options);
+PBWDEF pbw_status pbw_plane_smooth(pbw_plane *plane, pbw_plane_way way, int rounds, const unsigned char *keep,
+                                   const pbw_plane_options *options);
 
 /* ---- adaptation */
 
 /* Fills sizes, one a point: edge lengths for a mesh of about `count` triangles with equal errors.  error: per
    triangle, proportional to the square of its size, as the energy norm of the error of linear elements over one
    triangle is. */
-PBWADAPT2DEF void pbw_plane_sizes(const pbw_plane *plane, const double *error, size_t count, double *sizes);
+PBWDEF void pbw_plane_sizes(const pbw_plane *plane, const double *error, size_t count, double *sizes);
 
 /* Makes a finer mesh where edges are longer than the sizes of their ends, a coarser one where they are shorter than
    half.  sizes: one a point, 0 = any.  keep: one a point, 1 = it must stay; NULL = only the ends of segments must.
@@ -133,8 +127,8 @@ PBWADAPT2DEF void pbw_plane_sizes(const pbw_plane *plane, const double *error, s
    overwritten; fails as pbw_plane_make, and without triangles.  from: room for plane->point_count numbers, or NULL;
    gets the old number of point i of the result, for i < result->input_count.  edge_segments and region_seeds of the
    result have the caller's numbers, as in the old mesh; region_windings are 1. */
-PBWADAPT2DEF pbw_status pbw_plane_adapt(const pbw_plane *plane, const double *sizes, const unsigned char *keep,
-                                        const pbw_plane_options *options, pbw_plane *result, pbw_index *from);
+PBWDEF pbw_status pbw_plane_adapt(const pbw_plane *plane, const double *sizes, const unsigned char *keep,
+                                  const pbw_plane_options *options, pbw_plane *result, pbw_index *from);
 
 /* Makes a plane of triangles of either orientation, to be refined, adapted or smoothed.  What they cover becomes the
    domain, which is triangulated again; edges between triangles of different regions stay, and so do the segments.
@@ -145,16 +139,16 @@ PBWADAPT2DEF pbw_status pbw_plane_adapt(const pbw_plane *plane, const double *si
    own, points at one place count as one.  plane: overwritten.  Returns PBW_ERROR_ARGUMENT without triangles, for ids
    out of range, for two triangles on one side of an edge, and where borders of triangles or segments cross, or fails
    as pbw_plane_make; plane->what says why. */
-PBWADAPT2DEF pbw_status pbw_plane_from_triangles(const pbw_plane_input *input, const pbw_index *triangles,
-                                                 const pbw_index *regions, size_t triangle_count,
-                                                 const pbw_plane_options *options, pbw_plane *plane);
+PBWDEF pbw_status pbw_plane_from_triangles(const pbw_plane_input *input, const pbw_index *triangles,
+                                           const pbw_index *regions, size_t triangle_count,
+                                           const pbw_plane_options *options, pbw_plane *plane);
 
 /* Computes values at the points of another mesh of the domain: linear in each triangle of `from`, and not outside of
    the values at its corners; outside of all triangles the value at the nearest place.  width: numbers a point;
    values: from->point_count * width, out: room for to->point_count * width.  Of options only `build` counts; NULL =
    defaults.  Returns PBW_ERROR_ARGUMENT if `from` has no triangles, PBW_ERROR_MEMORY or PBW_CANCELLED. */
-PBWADAPT2DEF pbw_status pbw_plane_transfer(const pbw_plane *from, const pbw_plane *to, const double *values,
-                                           size_t width, double *out, const pbw_plane_options *options);
+PBWDEF pbw_status pbw_plane_transfer(const pbw_plane *from, const pbw_plane *to, const double *values,
+                                     size_t width, double *out, const pbw_plane_options *options);
 
 #ifdef __cplusplus
 }
@@ -265,14 +259,14 @@ static double pbwa2__apart2(const double *a, const double *b)
 #define PBWA2__SQRT3 1.7320508075688772
 #define PBWA2__DEGREES 57.295779513082323
 
-PBWADAPT2DEF const char *pbw_plane_measure_name(pbw_plane_measure measure)
+PBWDEF const char *pbw_plane_measure_name(pbw_plane_measure measure)
 {
     static const char *const names[] = { "minimum angle", "maximum angle", "gamma", "radius ratio", "aspect ratio",
                                          "edge ratio", "shape", "condition", "scaled Jacobian", "area" };
     return (unsigned)measure < PBW_PLANE_MEASURES ? names[measure] : "";
 }
 
-PBWADAPT2DEF double pbw_plane_measure_of(pbw_plane_measure measure, const double *a, const double *b, const double *c)
+PBWDEF double pbw_plane_measure_of(pbw_plane_measure measure, const double *a, const double *b, const double *c)
 {
     const double twice = pbwa2__cross(a, b, c);
     const double u = sqrt(pbwa2__apart2(a, b)), v = sqrt(pbwa2__apart2(b, c)), w = sqrt(pbwa2__apart2(c, a));
@@ -303,7 +297,7 @@ PBWADAPT2DEF double pbw_plane_measure_of(pbw_plane_measure measure, const double
     }
 }
 
-PBWADAPT2DEF pbw_plane_quality pbw_plane_quality_of(const pbw_plane *plane, pbw_plane_measure measure)
+PBWDEF pbw_plane_quality pbw_plane_quality_of(const pbw_plane *plane, pbw_plane_measure measure)
 {
     pbw_plane_quality q;
     size_t i;
@@ -606,8 +600,8 @@ static pbw_status pbwa2__round(const pbw_plane *plane, pbw_plane_way way, const 
     return status;
 }
 
-PBWADAPT2DEF pbw_status pbw_plane_smooth(pbw_plane *plane, pbw_plane_way way, int rounds, const unsigned char *keep,
-                                         const pbw_plane_options *options)
+PBWDEF pbw_status pbw_plane_smooth(pbw_plane *plane, pbw_plane_way way, int rounds, const unsigned char *keep,
+                                   const pbw_plane_options *options)
 {
     pbw_plane_options own;
     pbw_plane now, next;
@@ -647,7 +641,7 @@ PBWADAPT2DEF pbw_status pbw_plane_smooth(pbw_plane *plane, pbw_plane_way way, in
 /* A triangle with error e that is cut into m parts has m triangles of error e / m each, as the error falls with the
    square of the size.  For one error c of all, m = e / c, and c = sum of e / count.  The mean triangle of a mesh with
    no edge longer than h has about the area of an equilateral one with edges 0.6 h. */
-PBWADAPT2DEF void pbw_plane_sizes(const pbw_plane *plane, const double *error, size_t count, double *sizes)
+PBWDEF void pbw_plane_sizes(const pbw_plane *plane, const double *error, size_t count, double *sizes)
 {
     double sum = 0;
     size_t i;
@@ -809,8 +803,8 @@ static void pbwa2__coarsen(pbwa2__coarsening *t)
     }
 }
 
-PBWADAPT2DEF pbw_status pbw_plane_adapt(const pbw_plane *plane, const double *sizes, const unsigned char *keep,
-                                        const pbw_plane_options *options, pbw_plane *result, pbw_index *from)
+PBWDEF pbw_status pbw_plane_adapt(const pbw_plane *plane, const double *sizes, const unsigned char *keep,
+                                  const pbw_plane_options *options, pbw_plane *result, pbw_index *from)
 {
     pbwa2__memory memory;
     pbwa2__remake a;
@@ -1033,9 +1027,9 @@ static pbw_status pbwa2__make_of_sides(pbwa2__memory *memory, const pbw_plane_in
     return status;
 }
 
-PBWADAPT2DEF pbw_status pbw_plane_from_triangles(const pbw_plane_input *input, const pbw_index *triangles,
-                                                 const pbw_index *regions, size_t triangle_count,
-                                                 const pbw_plane_options *options, pbw_plane *plane)
+PBWDEF pbw_status pbw_plane_from_triangles(const pbw_plane_input *input, const pbw_index *triangles,
+                                           const pbw_index *regions, size_t triangle_count,
+                                           const pbw_plane_options *options, pbw_plane *plane)
 {
     pbwa2__memory memory;
     pbwa2__side *side;
@@ -1201,8 +1195,8 @@ static double pbwa2__mean_of(const double weight[3], double a, double b, double 
     return mean < low ? low : mean > high ? high : mean;
 }
 
-PBWADAPT2DEF pbw_status pbw_plane_transfer(const pbw_plane *from, const pbw_plane *to, const double *values,
-                                           size_t width, double *out, const pbw_plane_options *options)
+PBWDEF pbw_status pbw_plane_transfer(const pbw_plane *from, const pbw_plane *to, const double *values,
+                                     size_t width, double *out, const pbw_plane_options *options)
 {
     pbwa2__memory memory;
     pbwa2__tree tree;

@@ -33,16 +33,11 @@
 
    CONFIGURATION MACROS
      PBW_ADAPT3_IMPLEMENTATION    in one source file: compile the implementation there
-     PBWADAPT3DEF                 everywhere: your own linkage for the functions, for example static
 */
 #ifndef PBW_ADAPT3_H
 #define PBW_ADAPT3_H
 #ifndef PBW_IMPROVE_H
 #include "pbw_improve.h"
-#endif
-
-#ifndef PBWADAPT3DEF
-#define PBWADAPT3DEF extern
 #endif
 
 #ifdef __cplusplus
@@ -54,14 +49,14 @@ extern "C" {
    ------------------------------------------------------------------------------------------------------ */
 /* Fills sizes, one a point: edge lengths for a mesh of about `count` tetrahedra with equal errors, between an eighth
    of the old lengths and four times these.  error: per tetrahedron, in the energy norm over it, not squared. */
-PBWADAPT3DEF void pbw_tets_sizes(const pbw_tets *mesh, const double *error, size_t count, double *sizes);
+PBWDEF void pbw_tets_sizes(const pbw_tets *mesh, const double *error, size_t count, double *sizes);
 
 /* Computes values at the points of another mesh of the domain.  from: a mesh with neighbors, as pbw_improve and
    pbw_solid make it; width: numbers a point; values: from->point_count * width, out: room for to->point_count *
    width.  Of options, it uses threads, resize and memory_limit.  Returns PBW_ERROR_ARGUMENT if `from` has no
    tetrahedra or no neighbors, or what pbw_order and pbw_surface_create fail with. */
-PBWADAPT3DEF pbw_status pbw_tets_transfer(const pbw_tets *from, const pbw_tets *to, const double *values,
-                                          size_t width, const pbw_options *options, double *out);
+PBWDEF pbw_status pbw_tets_transfer(const pbw_tets *from, const pbw_tets *to, const double *values,
+                                    size_t width, const pbw_options *options, double *out);
 
 #ifdef __cplusplus
 }
@@ -106,7 +101,7 @@ static double pbwa3__length(const pbw_tets *mesh, size_t t)
     return sum;
 }
 
-PBWADAPT3DEF void pbw_tets_sizes(const pbw_tets *mesh, const double *error, size_t count, double *sizes)
+PBWDEF void pbw_tets_sizes(const pbw_tets *mesh, const double *error, size_t count, double *sizes)
 {
     double sum = 0, due, become = 0, scale;
     size_t t, k;
@@ -248,8 +243,8 @@ static pbw_status pbwa3__boundary(pbwa3__places *places, pbw_memory *memory, con
     return status;
 }
 
-PBWADAPT3DEF pbw_status pbw_tets_transfer(const pbw_tets *from, const pbw_tets *to, const double *values,
-                                          size_t width, const pbw_options *options, double *out)
+PBWDEF pbw_status pbw_tets_transfer(const pbw_tets *from, const pbw_tets *to, const double *values,
+                                    size_t width, const pbw_options *options, double *out)
 {
     pbw_memory memory;
     pbwa3__places places;

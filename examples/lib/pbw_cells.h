@@ -68,16 +68,11 @@
 
    CONFIGURATION MACROS
      PBW_CELLS_IMPLEMENTATION    in one source file: compile the implementation there
-     PBWCELLSDEF                 everywhere: your own linkage for the functions, for example static
 */
 #ifndef PBW_CELLS_H
 #define PBW_CELLS_H
 #ifndef PBW_H
 #include "pbw.h"
-#endif
-
-#ifndef PBWCELLSDEF
-#define PBWCELLSDEF extern
 #endif
 
 /* ------------------------------------------------------------------------------------------------------
@@ -150,8 +145,8 @@ typedef struct pbw_cells {                 /* start from {0}; read, do not write
    all on a line or in a plane, have cells in a domain; without a domain they give PBW_DEGENERATE and empty cells, and
    so do no points.  Fails as pbw_triangulate does; also with PBW_ERROR_ARGUMENT for a domain that is
    unbounded, empty or periodic, and for rings that cross.  Leaves cells empty then. */
-PBWCELLSDEF pbw_status pbw_cells_of(const pbw_mesh *mesh, const pbw_domain *domain, unsigned what,
-                                    const pbw_options *options, pbw_cells *cells);
+PBWDEF pbw_status pbw_cells_of(const pbw_mesh *mesh, const pbw_domain *domain, unsigned what,
+                               const pbw_options *options, pbw_cells *cells);
 /* Computes the cells of points in a box that repeats along the axes of domain->periodic and is a wall along the
    others. First moves the points into the box, and along periodic axes rounds coordinates and the box size to
    multiples of about 2^-48 of it (coarser in very long boxes), so that copies are exact translates.
@@ -162,9 +157,9 @@ PBWCELLSDEF pbw_status pbw_cells_of(const pbw_mesh *mesh, const pbw_domain *doma
    Returns PBW_OK for one point or more; PBW_ERROR_ARGUMENT without a box or a lattice, with both, with planes, if
    weights differ so much that copies are not exact, if vectors are flat to 6 digits, and if they are so skew that a
    shift is beyond 127.  A point may be its own neighbour, or twice that of another one, with different shifts. */
-PBWCELLSDEF pbw_status pbw_cells_periodic(int dim, const double *points, const double *weights, size_t count,
-                                          const pbw_domain *domain, unsigned what, const pbw_options *options,
-                                          pbw_cells *cells);
+PBWDEF pbw_status pbw_cells_periodic(int dim, const double *points, const double *weights, size_t count,
+                                     const pbw_domain *domain, unsigned what, const pbw_options *options,
+                                     pbw_cells *cells);
 /* What the rings of a domain enclose. */
 typedef struct pbw_rings {
     double area;
@@ -174,8 +169,8 @@ typedef struct pbw_rings {
 } pbw_rings;
 /* Returns PBW_OK and the area if pbw_cells_of takes the rings of a domain.  PBW_ERROR_ARGUMENT: edges that cross; or
    rings that enclose nothing; or coordinates out of range.  n corners take time n log n. */
-PBWCELLSDEF pbw_status pbw_cells_rings(const pbw_domain *domain, const pbw_options *options, pbw_rings *found);
-PBWCELLSDEF void pbw_cells_free(pbw_cells *cells);           /* fine on {0}, fine twice */
+PBWDEF pbw_status pbw_cells_rings(const pbw_domain *domain, const pbw_options *options, pbw_rings *found);
+PBWDEF void pbw_cells_free(pbw_cells *cells);           /* fine on {0}, fine twice */
 
 #ifdef __cplusplus
 }
@@ -2952,7 +2947,7 @@ static pbw_status pbwc__check_rings(const pbw_domain *domain)
     return PBW_OK;
 }
 
-PBWCELLSDEF pbw_status pbw_cells_rings(const pbw_domain *domain, const pbw_options *options, pbw_rings *found)
+PBWDEF pbw_status pbw_cells_rings(const pbw_domain *domain, const pbw_options *options, pbw_rings *found)
 {
     pbwc__job job;
     pbwc__sweep sweep;
@@ -4448,7 +4443,7 @@ static void pbwc__drop(pbw_memory *memory, pbw_cells *cells)
     memset(cells, 0, sizeof *cells);
 }
 
-PBWCELLSDEF void pbw_cells_free(pbw_cells *cells)
+PBWDEF void pbw_cells_free(pbw_cells *cells)
 {
     if (cells != NULL && cells->memory != NULL) {
         pbw_memory memory = ((pbwc__owned *)cells->memory)->memory;
@@ -4958,8 +4953,8 @@ static pbw_status pbwc__run(pbwc__job *job, const pbw_domain *domain)
     return status;
 }
 
-PBWCELLSDEF pbw_status pbw_cells_of(const pbw_mesh *mesh, const pbw_domain *domain, unsigned what,
-                                    const pbw_options *options, pbw_cells *cells)
+PBWDEF pbw_status pbw_cells_of(const pbw_mesh *mesh, const pbw_domain *domain, unsigned what,
+                               const pbw_options *options, pbw_cells *cells)
 {
     pbwc__job job;
     pbwc__clip clip;
@@ -5697,9 +5692,9 @@ static pbw_status pbwc__round(pbwc__job *job, const double *box)
     return status;
 }
 
-PBWCELLSDEF pbw_status pbw_cells_periodic(int dim, const double *points, const double *weights, size_t count,
-                                          const pbw_domain *domain, unsigned what, const pbw_options *options,
-                                          pbw_cells *cells)
+PBWDEF pbw_status pbw_cells_periodic(int dim, const double *points, const double *weights, size_t count,
+                                     const pbw_domain *domain, unsigned what, const pbw_options *options,
+                                     pbw_cells *cells)
 {
     pbwc__period period;
     pbwc__job job;

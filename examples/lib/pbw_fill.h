@@ -71,16 +71,11 @@
 
    CONFIGURATION MACROS
      PBW_FILL_IMPLEMENTATION  in one source file: compile the implementation there
-     PBWFILLDEF               everywhere: your own linkage for the functions, for example static
 */
 #ifndef PBW_FILL_H
 #define PBW_FILL_H
 #ifndef PBW_IMPROVE_H
 #include "pbw_improve.h"
-#endif
-
-#ifndef PBWFILLDEF
-#define PBWFILLDEF extern
 #endif
 
 #ifdef __cplusplus
@@ -186,10 +181,10 @@ typedef struct pbw_filled {                /* start from {0}; pbw_fill_free when
    uses threads, run, resize, memory_limit and progress (PBW_STAGE_WORK).  Returns PBW_DEGENERATE if the input is
    refused, see report.refusal; PBW_ERROR_ARGUMENT for ids out of range; PBW_ERROR_TOO_LARGE if options.most is too
    few; PBW_ERROR_NOT_FINITE; or what pbw_triangulate fails with. */
-PBWFILLDEF pbw_status pbw_fill(const pbw_fill_input *input, const pbw_fill_options *how, const pbw_options *options,
-                               pbw_filled *filled, pbw_fill_report *report);
-PBWFILLDEF void pbw_fill_free(pbw_filled *filled);           /* fine on {0}, fine twice */
-PBWFILLDEF const char *pbw_fill_refusal(int refusal);        /* in words; never NULL, never freed */
+PBWDEF pbw_status pbw_fill(const pbw_fill_input *input, const pbw_fill_options *how, const pbw_options *options,
+                           pbw_filled *filled, pbw_fill_report *report);
+PBWDEF void pbw_fill_free(pbw_filled *filled);           /* fine on {0}, fine twice */
+PBWDEF const char *pbw_fill_refusal(int refusal);        /* in words; never NULL, never freed */
 
 #ifdef __cplusplus
 }
@@ -3501,7 +3496,7 @@ typedef struct pbwfill__result {
     pbw_tets better;                       /* after improvement: then it holds the arrays of tetrahedra */
 } pbwfill__result;
 
-PBWFILLDEF void pbw_fill_free(pbw_filled *filled)
+PBWDEF void pbw_fill_free(pbw_filled *filled)
 {
     if (filled != NULL && filled->memory != NULL) {
         pbwfill__result *r = (pbwfill__result *)filled->memory;
@@ -3800,7 +3795,7 @@ static pbw_status pbwfill__write(pbwfill__work *w, pbw_filled *filled)
    >>stages       All of it in order.
    In: the caller's arrays.  Out: the result, or a status and nothing held.
    ------------------------------------------------------------------------------------------------------ */
-PBWFILLDEF const char *pbw_fill_refusal(int refusal)
+PBWDEF const char *pbw_fill_refusal(int refusal)
 {
     switch (refusal) {
     case PBW_FILL_FILLED: return "filled";
@@ -3900,8 +3895,8 @@ static pbw_status pbwfill__run(pbwfill__work *w, pbw_filled *filled)
     return status;
 }
 
-PBWFILLDEF pbw_status pbw_fill(const pbw_fill_input *input, const pbw_fill_options *how, const pbw_options *options,
-                               pbw_filled *filled, pbw_fill_report *report)
+PBWDEF pbw_status pbw_fill(const pbw_fill_input *input, const pbw_fill_options *how, const pbw_options *options,
+                           pbw_filled *filled, pbw_fill_report *report)
 {
     pbw_fill_report own;
     pbwfill__work w;

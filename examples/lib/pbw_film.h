@@ -40,10 +40,6 @@
 #include "pbw_io.h"
 #endif
 
-#ifndef PBWFILMDEF
-#define PBWFILMDEF extern
-#endif
-
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -74,8 +70,8 @@ typedef struct pbwfilm_options {
 /* Calls next, which fills a frame and returns 1, until it returns 0.  The caller owns the arrays of a frame; they are
    read before next is called again.  Writes the page whole or not at all.  PBWIO_ERROR_ARGUMENT: an empty box;
    PBWIO_CANCELLED: next returned -1, or progress said stop. */
-PBWFILMDEF pbwio_status pbwfilm_write(const char *path, const pbwfilm_options *options,
-                                      int (*next)(void *user, pbwfilm_frame *frame), void *user, pbwio_error *error);
+PBWDEF pbwio_status pbwfilm_write(const char *path, const pbwfilm_options *options,
+                                  int (*next)(void *user, pbwfilm_frame *frame), void *user, pbwio_error *error);
 
 #ifdef __cplusplus
 }
@@ -259,8 +255,8 @@ static void pbwfilm__emit(void *user, FILE *file)
     pbwfilm__lines(file, pbwfilm__part(2));
 }
 
-PBWFILMDEF pbwio_status pbwfilm_write(const char *path, const pbwfilm_options *options,
-                                      int (*next)(void *user, pbwfilm_frame *frame), void *user, pbwio_error *error)
+PBWDEF pbwio_status pbwfilm_write(const char *path, const pbwfilm_options *options,
+                                  int (*next)(void *user, pbwfilm_frame *frame), void *user, pbwio_error *error)
 {
     pbwfilm__page page;
     pbw_options build;

@@ -71,16 +71,11 @@
 
    CONFIGURATION MACROS
      PBW_IMPROVE_IMPLEMENTATION  in one source file: compile the implementation there
-     PBWIMPROVEDEF               everywhere: your own linkage for the functions, for example static
 */
 #ifndef PBW_IMPROVE_H
 #define PBW_IMPROVE_H
 #ifndef PBW_SURFACE_H
 #include "pbw_surface.h"
-#endif
-
-#ifndef PBWIMPROVEDEF
-#define PBWIMPROVEDEF extern
 #endif
 
 #ifdef __cplusplus
@@ -188,18 +183,17 @@ typedef struct pbw_improve_report {
    uses threads, run, resize, memory_limit, progress (PBW_STAGE_WORK) and message.  Returns PBW_ERROR_ARGUMENT for a
    target or smoother out of range, sizes that are not above 0, ids out of range, a tetrahedron with a corner twice,
    more than two tetrahedra at a facet, or two on one side of it: options.message says which size, id or facet. */
-PBWIMPROVEDEF pbw_status pbw_improve(const pbw_tets *mesh, const pbw_improve_options *how,
-                                     const pbw_options *options, pbw_tets *better, pbw_improve_report *report);
+PBWDEF pbw_status pbw_improve(const pbw_tets *mesh, const pbw_improve_options *how,
+                              const pbw_options *options, pbw_tets *better, pbw_improve_report *report);
 /* Returns the measure of the tetrahedron a b c d. */
-PBWIMPROVEDEF double pbw_tet_measure(pbw_measure measure, const double a[3], const double b[3], const double c[3],
-                                     const double d[3]);
-PBWIMPROVEDEF const char *pbw_measure_name(pbw_measure measure);     /* "gamma", NULL for other numbers */
+PBWDEF double pbw_tet_measure(pbw_measure measure, const double a[3], const double b[3], const double c[3],
+                              const double d[3]);
+PBWDEF const char *pbw_measure_name(pbw_measure measure);     /* "gamma", NULL for other numbers */
 /* Returns 0 if there is no memory to sort the angles: permille and percent are then 0. */
-PBWIMPROVEDEF int pbw_tets_quality(const pbw_tets *mesh, const pbw_options *options, pbw_quality *quality);
+PBWDEF int pbw_tets_quality(const pbw_tets *mesh, const pbw_options *options, pbw_quality *quality);
 /* Returns 0 and zeroes if there is no memory to sort the values. */
-PBWIMPROVEDEF int pbw_tets_spread(const pbw_tets *mesh, pbw_measure measure, const pbw_options *options,
-                                      pbw_spread *spread);
-PBWIMPROVEDEF void pbw_tets_free(pbw_tets *mesh);            /* fine on {0}, fine twice; for results only */
+PBWDEF int pbw_tets_spread(const pbw_tets *mesh, pbw_measure measure, const pbw_options *options, pbw_spread *spread);
+PBWDEF void pbw_tets_free(pbw_tets *mesh);            /* fine on {0}, fine twice; for results only */
 
 #ifdef __cplusplus
 }
@@ -320,8 +314,8 @@ static double pbwim__circumradius(const double *const c[4], const pbwim__shape *
     return sqrt(pbwsf__dot(sum, sum)) / (2 * fabs(s->volume6));
 }
 
-PBWIMPROVEDEF double pbw_tet_measure(pbw_measure measure, const double a[3], const double b[3], const double c[3],
-                                     const double d[3])
+PBWDEF double pbw_tet_measure(pbw_measure measure, const double a[3], const double b[3], const double c[3],
+                              const double d[3])
 {
     const double *const corner[4] = { a, b, c, d };
     double angle[6], least, most, squares = 0, area2 = 0, product = 0, radius, third;
@@ -365,7 +359,7 @@ PBWIMPROVEDEF double pbw_tet_measure(pbw_measure measure, const double a[3], con
     }
 }
 
-PBWIMPROVEDEF const char *pbw_measure_name(pbw_measure measure)
+PBWDEF const char *pbw_measure_name(pbw_measure measure)
 {
     static const char *const names[] = { "least dihedral", "largest dihedral", "least sine", "volume", "gamma", "eta",
         "SICN", "radius-edge", "radius ratio", "aspect ratio", "aspect gamma", "edge ratio", "scaled Jacobian",
@@ -379,8 +373,7 @@ static int pbwim__compare(const void *a, const void *b)                      /* 
     return x < y || x > y ? (x > y) - (x < y) : !(x <= HUGE_VAL) - !(y <= HUGE_VAL);
 }
 
-PBWIMPROVEDEF int pbw_tets_spread(const pbw_tets *mesh, pbw_measure measure, const pbw_options *options,
-                                      pbw_spread *spread)
+PBWDEF int pbw_tets_spread(const pbw_tets *mesh, pbw_measure measure, const pbw_options *options, pbw_spread *spread)
 {
     pbw_memory memory;
     pbwsf__numbers sorted = { NULL, 0, 0 };
@@ -627,7 +620,7 @@ static int pbwim__find_shares(pbwim__measuring *work, const pbw_options *options
     return done;
 }
 
-PBWIMPROVEDEF int pbw_tets_quality(const pbw_tets *mesh, const pbw_options *options, pbw_quality *quality)
+PBWDEF int pbw_tets_quality(const pbw_tets *mesh, const pbw_options *options, pbw_quality *quality)
 {
     const size_t count = mesh->tet_count, blocks = count / PBWIM__BLOCK + (count % PBWIM__BLOCK != 0);
     pbw_memory memory;
@@ -4060,7 +4053,7 @@ static pbw_status pbwim__copy_tets(void *arg, size_t from, size_t to)
     return PBW_OK;
 }
 
-PBWIMPROVEDEF void pbw_tets_free(pbw_tets *mesh)
+PBWDEF void pbw_tets_free(pbw_tets *mesh)
 {
     if (mesh != NULL && mesh->memory != NULL) {
         pbwim__result *r = (pbwim__result *)mesh->memory;
@@ -4377,8 +4370,8 @@ static pbw_status pbwim__run(pbwim__mesh *m, const pbw_tets *in, const pbw_impro
     return status != PBW_OK ? status : pbwim__output(m, better);
 }
 
-PBWIMPROVEDEF pbw_status pbw_improve(const pbw_tets *mesh, const pbw_improve_options *how,
-                                     const pbw_options *options, pbw_tets *better, pbw_improve_report *report)
+PBWDEF pbw_status pbw_improve(const pbw_tets *mesh, const pbw_improve_options *how,
+                              const pbw_options *options, pbw_tets *better, pbw_improve_report *report)
 {
     pbwim__mesh m;
     pbw_improve_report own;

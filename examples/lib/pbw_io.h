@@ -185,7 +185,6 @@
 
    CONFIGURATION MACROS
      PBW_IO_IMPLEMENTATION    in one source file: compile the implementation there
-     PBWIODEF                 everywhere: your own linkage for the functions, for example static
 */
 #ifndef PBW_IO_H
 #define PBW_IO_H
@@ -196,10 +195,6 @@
 #include "pbw.h"
 #endif
 #include <stdio.h>
-
-#ifndef PBWIODEF
-#define PBWIODEF extern
-#endif
 
 #ifdef __cplusplus
 extern "C" {
@@ -324,31 +319,31 @@ enum {                                 /* what files of a format keep beside poi
 };
 
 /* Reads a file; "-" is the standard input.  cloud: overwritten (what it held is not freed), left empty on failure. */
-PBWIODEF pbwio_status pbwio_read(const char *path, const pbwio_options *options, pbwio_cloud *cloud,
-                                 pbwio_error *error);
+PBWDEF pbwio_status pbwio_read(const char *path, const pbwio_options *options, pbwio_cloud *cloud,
+                               pbwio_error *error);
 /* Reads a file that is in memory; name is for its format and for messages.  data is not kept. */
-PBWIODEF pbwio_status pbwio_read_memory(const char *name, const void *data, size_t size, const pbwio_options *options,
-                                        pbwio_cloud *cloud, pbwio_error *error);
+PBWDEF pbwio_status pbwio_read_memory(const char *name, const void *data, size_t size, const pbwio_options *options,
+                                      pbwio_cloud *cloud, pbwio_error *error);
 /* The whole of a file, unpacked if gzip has packed it, and a 0 behind its `size` bytes; "-" is the standard input.
    options: memory_limit, resize, progress; NULL = defaults.  The caller frees the block, of size + 1 bytes, by
    options.resize, by default free.  Returns NULL on failure. */
-PBWIODEF char *pbwio_load(const char *path, const pbw_options *options, size_t *size, pbwio_error *error);
+PBWDEF char *pbwio_load(const char *path, const pbw_options *options, size_t *size, pbwio_error *error);
 /* Frees what a cloud holds and zeroes it; fine on {0}, fine twice.  An array may be taken over, its pointer set to
    NULL, or replaced by one of the same allocator, by default malloc. */
-PBWIODEF void pbwio_free(pbwio_cloud *cloud);
+PBWDEF void pbwio_free(pbwio_cloud *cloud);
 /* Writes a mesh. */
-PBWIODEF pbwio_status pbwio_write(const char *path, const pbw_mesh *mesh, const pbwio_output *output,
-                                  pbwio_error *error);
+PBWDEF pbwio_status pbwio_write(const char *path, const pbw_mesh *mesh, const pbwio_output *output,
+                                pbwio_error *error);
 /* What files of a format keep, of simplices of that many corners, 3 or 4, written with flags: bits as above. */
-PBWIODEF unsigned pbwio_keeps(pbwio_format format, int corners, unsigned flags);
+PBWDEF unsigned pbwio_keeps(pbwio_format format, int corners, unsigned flags);
 /* What is lost of a mesh, of simplices of that many corners, and an output in files that keep so much, in words, into
    text, size bytes; "" = nothing. */
-PBWIODEF void pbwio_losses(unsigned keeps, int corners, const pbw_mesh *mesh, const pbwio_output *output, char *text,
-                           size_t size);
+PBWDEF void pbwio_losses(unsigned keeps, int corners, const pbw_mesh *mesh, const pbwio_output *output, char *text,
+                         size_t size);
 /* Which groups of simplices of that many corners, and so on, have other names in .inp and .su2, in words: "a b" is
    a_b; "" = none has. */
-PBWIODEF void pbwio_renamed(pbwio_format format, int corners, const pbw_mesh *mesh, const pbwio_output *output,
-                            char *text, size_t size);
+PBWDEF void pbwio_renamed(pbwio_format format, int corners, const pbw_mesh *mesh, const pbwio_output *output,
+                          char *text, size_t size);
 /* Writes any file whole or not at all: emit writes to the stream and need not look for errors.  That is a new file,
    "path.part.PROCESS-NUMBER", so that runs at the same time and files that are there are safe; in the end it is
    renamed to path, or removed if the disk was full.  A file that is replaced gives its mode to the new one; a
@@ -356,12 +351,12 @@ PBWIODEF void pbwio_renamed(pbwio_format format, int corners, const pbw_mesh *me
    under /dev are written in place.  What is written to a path that ends in .gz is packed by gzip.  options:
    memory_limit, resize, progress (after emit, and while it packs: if it says stop, there is no file); NULL =
    defaults. */
-PBWIODEF pbwio_status pbwio_save(const char *path, void (*emit)(void *user, FILE *file), void *user,
-                                 const pbw_options *options, pbwio_error *error);
+PBWDEF pbwio_status pbwio_save(const char *path, void (*emit)(void *user, FILE *file), void *user,
+                               const pbw_options *options, pbwio_error *error);
 /* The format that a name's ending stands for, without .gz behind it; PBWIO_AUTO if none. */
-PBWIODEF pbwio_format pbwio_format_of(const char *path);
+PBWDEF pbwio_format pbwio_format_of(const char *path);
 /* What a status means; a pbwio_error says where, too.  Never NULL, never freed. */
-PBWIODEF const char *pbwio_status_string(pbwio_status status);
+PBWDEF const char *pbwio_status_string(pbwio_status status);
 
 #ifdef __cplusplus
 }
@@ -429,7 +424,7 @@ static void pbwio__message(pbwio_error *error, const char *name, const char *whe
     }
 }
 
-PBWIODEF const char *pbwio_status_string(pbwio_status status)
+PBWDEF const char *pbwio_status_string(pbwio_status status)
 {
     static const char *const texts[] = {
         "done", "a file cannot be opened, read, written or renamed", "the content is not what the format says",
@@ -8493,7 +8488,7 @@ static const pbwio__format_info *pbwio__info_of(pbwio_format format)
     return pbwio__format_table + ((size_t)format < PBWIO__FORMATS ? (size_t)format : 0);
 }
 
-PBWIODEF pbwio_format pbwio_format_of(const char *path)
+PBWDEF pbwio_format pbwio_format_of(const char *path)
 {
     const pbwio__field ending = pbwio__ending(path);
     size_t i;
@@ -8505,7 +8500,7 @@ PBWIODEF pbwio_format pbwio_format_of(const char *path)
     return PBWIO_AUTO;
 }
 
-PBWIODEF unsigned pbwio_keeps(pbwio_format format, int corners, unsigned flags)
+PBWDEF unsigned pbwio_keeps(pbwio_format format, int corners, unsigned flags)
 {
     const unsigned keeps = pbwio__info_of(format)->keeps;
     const int groups = format == PBWIO_OBJ || (format == PBWIO_STL && flags & PBWIO_TEXT);
@@ -8565,8 +8560,8 @@ static void pbwio__append(char *text, size_t size, const char *what)
     snprintf(text + used, size - used, "%s%s", used > 0 ? ", " : "", what);
 }
 
-PBWIODEF void pbwio_losses(unsigned keeps, int corners, const pbw_mesh *mesh, const pbwio_output *output, char *text,
-                           size_t size)
+PBWDEF void pbwio_losses(unsigned keeps, int corners, const pbw_mesh *mesh, const pbwio_output *output, char *text,
+                         size_t size)
 {
     const char *const words[] = { corners <= mesh->dim ? "groups of triangles" : "regions", "patches",
                                   "patches inside", "edges", "markers of points" };
@@ -8595,8 +8590,8 @@ PBWIODEF void pbwio_losses(unsigned keeps, int corners, const pbw_mesh *mesh, co
     }
 }
 
-PBWIODEF void pbwio_renamed(pbwio_format format, int corners, const pbw_mesh *mesh, const pbwio_output *output,
-                            char *text, size_t size)
+PBWDEF void pbwio_renamed(pbwio_format format, int corners, const pbw_mesh *mesh, const pbwio_output *output,
+                          char *text, size_t size)
 {
     pbwio_output o = *output;
     pbw_memory memory;
@@ -8737,7 +8732,7 @@ static void pbwio__trim_arrays(pbwio_cloud *cloud, int free_all)
     }
 }
 
-PBWIODEF void pbwio_free(pbwio_cloud *cloud)
+PBWDEF void pbwio_free(pbwio_cloud *cloud)
 {
     size_t i;
     if (cloud != NULL) {
@@ -8851,8 +8846,8 @@ static pbwio_status pbwio__read(const char *name, const void *data, size_t size,
     return r.status;
 }
 
-PBWIODEF pbwio_status pbwio_read_memory(const char *name, const void *data, size_t size, const pbwio_options *options,
-                                        pbwio_cloud *cloud, pbwio_error *error)
+PBWDEF pbwio_status pbwio_read_memory(const char *name, const void *data, size_t size, const pbwio_options *options,
+                                      pbwio_cloud *cloud, pbwio_error *error)
 {
     const pbw_options *build = options != NULL ? options->build : NULL;
     pbwio__bytes packed = { NULL, 0, 0 }, unpacked = { NULL, 0, 0 };
@@ -8920,7 +8915,7 @@ static pbwio_status pbwio__load(const char *path, pbw_memory *memory, const pbw_
     return status;
 }
 
-PBWIODEF char *pbwio_load(const char *path, const pbw_options *options, size_t *size, pbwio_error *error)
+PBWDEF char *pbwio_load(const char *path, const pbw_options *options, size_t *size, pbwio_error *error)
 {
     pbw_memory memory;
     pbwio__bytes data;
@@ -8997,8 +8992,7 @@ static int pbwio__points_are_beside(const char *path, const pbwio_options *optio
     return beside;
 }
 
-PBWIODEF pbwio_status pbwio_read(const char *path, const pbwio_options *options, pbwio_cloud *cloud,
-                                 pbwio_error *error)
+PBWDEF pbwio_status pbwio_read(const char *path, const pbwio_options *options, pbwio_cloud *cloud, pbwio_error *error)
 {
     pbwio_status status = PBWIO_OK;
     pbwio_format format;
@@ -9487,8 +9481,8 @@ static pbwio_status pbwio__save(const char *path, const pbwio__job *job, pbwio_e
     return status;
 }
 
-PBWIODEF pbwio_status pbwio_save(const char *path, void (*emit)(void *user, FILE *file), void *user,
-                                 const pbw_options *options, pbwio_error *error)
+PBWDEF pbwio_status pbwio_save(const char *path, void (*emit)(void *user, FILE *file), void *user,
+                               const pbw_options *options, pbwio_error *error)
 {
     pbwio__job job;
     if (path == NULL || emit == NULL) {
@@ -9640,8 +9634,8 @@ static pbwio_status pbwio__write(const char *path, const pbw_mesh *mesh, int mod
     return status;
 }
 
-PBWIODEF pbwio_status pbwio_write(const char *path, const pbw_mesh *mesh, const pbwio_output *output,
-                                  pbwio_error *error)
+PBWDEF pbwio_status pbwio_write(const char *path, const pbw_mesh *mesh, const pbwio_output *output,
+                                pbwio_error *error)
 {
     if (path == NULL || mesh == NULL || (mesh->dim != 2 && mesh->dim != 3)) {
         return pbwio__file_error(error, PBWIO_ERROR_ARGUMENT, "pbwio_write", "no path or no mesh");

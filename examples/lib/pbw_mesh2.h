@@ -59,16 +59,11 @@
 
    CONFIGURATION MACROS
      PBW_MESH2_IMPLEMENTATION    in one source file: compile the implementation there
-     PBWMESH2DEF                 everywhere: your own linkage for the functions, for example static
 */
 #ifndef PBW_MESH2_H
 #define PBW_MESH2_H
 #ifndef PBW_H
 #include "pbw.h"
-#endif
-
-#ifndef PBWMESH2DEF
-#define PBWMESH2DEF extern
 #endif
 
 /* ------------------------------------------------------------------------------------------------------
@@ -187,14 +182,13 @@ typedef struct pbw_plane {                 /* start from {0}; read, do not write
    fails as pbw_triangulate does; PBW_ERROR_ARGUMENT also for segments with ids out of range, segments that cross, and
    segments that are not closed although the rule counts windings; PBW_ERROR_TOO_LARGE also for more triangles than
    options.most.  After a failure, plane has only what, crossings and report.estimate. */
-PBWMESH2DEF pbw_status pbw_plane_make(const pbw_plane_input *input, const pbw_plane_options *options,
-                                      pbw_plane *plane);
+PBWDEF pbw_status pbw_plane_make(const pbw_plane_input *input, const pbw_plane_options *options, pbw_plane *plane);
 /* Triangulates polygons with holes: closed rings of points in any direction, ring i being points first[i] ..
    first[i+1]-1.  Uses options->rule, where PBW_PLANE_HULL means PBW_PLANE_EVEN_ODD.  Segment k starts at point k. */
-PBWMESH2DEF pbw_status pbw_plane_rings(const double *points, const size_t *first, size_t ring_count,
-                                       const pbw_plane_options *options, pbw_plane *plane);
+PBWDEF pbw_status pbw_plane_rings(const double *points, const size_t *first, size_t ring_count,
+                                  const pbw_plane_options *options, pbw_plane *plane);
 /* Frees what a plane holds and zeroes it; fine on {0}, fine twice. */
-PBWMESH2DEF void pbw_plane_free(pbw_plane *plane);
+PBWDEF void pbw_plane_free(pbw_plane *plane);
 
 #ifdef __cplusplus
 }
@@ -3639,8 +3633,7 @@ static void pbwm2__job_free(pbwm2__job *job)
     PBW_RELEASE(&job->memory, job->components);
 }
 
-PBWMESH2DEF pbw_status pbw_plane_make(const pbw_plane_input *input, const pbw_plane_options *options,
-                                      pbw_plane *plane)
+PBWDEF pbw_status pbw_plane_make(const pbw_plane_input *input, const pbw_plane_options *options, pbw_plane *plane)
 {
     pbw_plane_options defaults;
     pbw_options build;
@@ -3684,8 +3677,8 @@ PBWMESH2DEF pbw_status pbw_plane_make(const pbw_plane_input *input, const pbw_pl
     return status;
 }
 
-PBWMESH2DEF pbw_status pbw_plane_rings(const double *points, const size_t *first, size_t ring_count,
-                                       const pbw_plane_options *options, pbw_plane *plane)
+PBWDEF pbw_status pbw_plane_rings(const double *points, const size_t *first, size_t ring_count,
+                                  const pbw_plane_options *options, pbw_plane *plane)
 {
     pbw_plane_options own;
     pbw_plane_input input;
@@ -3734,7 +3727,7 @@ PBWMESH2DEF pbw_status pbw_plane_rings(const double *points, const size_t *first
     return status;
 }
 
-PBWMESH2DEF void pbw_plane_free(pbw_plane *plane)
+PBWDEF void pbw_plane_free(pbw_plane *plane)
 {
     if (plane != NULL) {
         if (plane->memory != NULL) {

@@ -100,16 +100,11 @@
 
    CONFIGURATION MACROS
      PBW_MESH3_IMPLEMENTATION    in one source file: compile the implementation there
-     PBWMESH3DEF                 everywhere: your own linkage for the functions, for example static
 */
 #ifndef PBW_MESH3_H
 #define PBW_MESH3_H
 #ifndef PBW_IMPROVE_H
 #include "pbw_improve.h"
-#endif
-
-#ifndef PBWMESH3DEF
-#define PBWMESH3DEF extern
 #endif
 
 #ifdef __cplusplus
@@ -250,10 +245,10 @@ typedef struct pbw_solid_report {
    PBW_ERROR_ARGUMENT for ids out of range or sizes below zero, PBW_ERROR_TOO_LARGE for a size that needs more than
    options.most tetrahedra, or what pbw_triangulate and pbw_improve fail with; report.refusal and the input's part of
    the report hold on failure, too. */
-PBWMESH3DEF pbw_status pbw_solid(const pbw_solid_input *input, const pbw_solid_options *how,
-                                 const pbw_options *options, pbw_tets *mesh, pbw_solid_boundary *boundary,
-                                 pbw_solid_report *report);
-PBWMESH3DEF void pbw_solid_boundary_free(pbw_solid_boundary *boundary);      /* fine on {0}, fine twice */
+PBWDEF pbw_status pbw_solid(const pbw_solid_input *input, const pbw_solid_options *how,
+                            const pbw_options *options, pbw_tets *mesh, pbw_solid_boundary *boundary,
+                            pbw_solid_report *report);
+PBWDEF void pbw_solid_boundary_free(pbw_solid_boundary *boundary);      /* fine on {0}, fine twice */
 
 #ifdef __cplusplus
 }
@@ -4965,7 +4960,7 @@ static void pbwm3__release_boundary(pbw_memory *memory, pbwm3__boundary_arrays *
     PBW_RELEASE(memory, arrays->holes);
 }
 
-PBWMESH3DEF void pbw_solid_boundary_free(pbw_solid_boundary *boundary)
+PBWDEF void pbw_solid_boundary_free(pbw_solid_boundary *boundary)
 {
     if (boundary != NULL && boundary->memory != NULL) {
         pbwm3__boundary_arrays *arrays = (pbwm3__boundary_arrays *)boundary->memory;
@@ -5402,9 +5397,9 @@ static pbw_status pbwm3__complete(pbwm3__work *w, double done, pbwm3__result *r)
     return status;
 }
 
-PBWMESH3DEF pbw_status pbw_solid(const pbw_solid_input *input, const pbw_solid_options *how,
-                                 const pbw_options *options, pbw_tets *mesh, pbw_solid_boundary *boundary,
-                                 pbw_solid_report *report)
+PBWDEF pbw_status pbw_solid(const pbw_solid_input *input, const pbw_solid_options *how,
+                            const pbw_options *options, pbw_tets *mesh, pbw_solid_boundary *boundary,
+                            pbw_solid_report *report)
 {
     pbwm3__result r;
     pbwm3__call call;

@@ -55,16 +55,11 @@
 
    CONFIGURATION MACROS
      PBW_MPI_IMPLEMENTATION      in one source file: compile the implementation there
-     PBWMDEF                     everywhere: your own linkage for the functions, for example static
 */
 #ifndef PBW_MPI_H
 #define PBW_MPI_H
 #include "pbw_tilefile.h"
 #include <mpi.h>
-
-#ifndef PBWMDEF
-#define PBWMDEF extern
-#endif
 
 #ifdef __cplusplus
 extern "C" {
@@ -107,11 +102,11 @@ typedef struct pbwm_report {               /* equal on all ranks */
 } pbwm_report;
 
 /* Called by all ranks of comm at once.  points: read only.  Fails as pbwt_tree_make, pbwt_ask and files do. */
-PBWMDEF pbw_status pbwm_triangulate(MPI_Comm comm, const pbwt_point *points, size_t count,
-                                    const pbwm_options *options, pbwm_report *report);
+PBWDEF pbw_status pbwm_triangulate(MPI_Comm comm, const pbwt_point *points, size_t count,
+                                   const pbwm_options *options, pbwm_report *report);
 /* For steps before and after it: returns PBW_OK if all ranks pass that, else, on all ranks, the status and the text
    of the lowest rank that does not. */
-PBWMDEF pbw_status pbwm_agree(MPI_Comm comm, pbw_status status, char *text, size_t text_size);
+PBWDEF pbw_status pbwm_agree(MPI_Comm comm, pbw_status status, char *text, size_t text_size);
 
 #ifdef __cplusplus
 }
@@ -169,7 +164,7 @@ static void pbwm__give(pbwm__group *g, void *data)
     }
 }
 
-PBWMDEF pbw_status pbwm_agree(MPI_Comm comm, pbw_status status, char *text, size_t text_size)
+PBWDEF pbw_status pbwm_agree(MPI_Comm comm, pbw_status status, char *text, size_t text_size)
 {
     int rank, ranks, mine, least, all = (int)status;
     MPI_Comm_rank(comm, &rank);
@@ -1246,8 +1241,8 @@ static int pbwm__threads(MPI_Comm comm)
     return threads < 1 ? 1 : threads > 256 ? 256 : threads;
 }
 
-PBWMDEF pbw_status pbwm_triangulate(MPI_Comm comm, const pbwt_point *points, size_t count,
-                                    const pbwm_options *options, pbwm_report *report)
+PBWDEF pbw_status pbwm_triangulate(MPI_Comm comm, const pbwt_point *points, size_t count,
+                                   const pbwm_options *options, pbwm_report *report)
 {
     pbwm__group g;
     pbwm__work w;

@@ -39,10 +39,6 @@
 #include "pbw_io.h"
 #endif
 
-#ifndef PBWPICDEF
-#define PBWPICDEF extern
-#endif
-
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -56,8 +52,8 @@ typedef struct pbwpic_options {        /* NULL or all zero = best defaults */
 } pbwpic_options;
 
 /* Writes the picture whole or not at all.  3D needs mesh->neighbors. */
-PBWPICDEF pbwio_status pbwpic_write(const char *path, const pbw_mesh *mesh, const pbwpic_options *options,
-                                    pbwio_error *error);
+PBWDEF pbwio_status pbwpic_write(const char *path, const pbw_mesh *mesh, const pbwpic_options *options,
+                                 pbwio_error *error);
 
 #ifdef __cplusplus
 }
@@ -534,8 +530,8 @@ static void pbwpic__end(pbwpic__view *v)
     pbwpic__release(v, v->owner, (pixels + 1) * sizeof *v->owner);
 }
 
-PBWPICDEF pbwio_status pbwpic_write(const char *path, const pbw_mesh *mesh, const pbwpic_options *options,
-                                    pbwio_error *error)
+PBWDEF pbwio_status pbwpic_write(const char *path, const pbw_mesh *mesh, const pbwpic_options *options,
+                                 pbwio_error *error)
 {
     static const pbwpic_options defaults = { NULL, { 0, 0, 0 }, { 0, 0, 0 }, { 0, 0, 0, 0 }, NULL };
     pbw_options build;

@@ -63,7 +63,6 @@
 
    CONFIGURATION MACROS
      PBW_SAMPLE_IMPLEMENTATION   in one source file: compile the implementation there
-     PBWSAMPLEDEF                everywhere: your own linkage for the functions, for example static
 */
 #ifndef PBW_SAMPLE_H
 #define PBW_SAMPLE_H
@@ -72,10 +71,6 @@
    ------------------------------------------------------------------------------------------------------ */
 #ifndef PBW_H
 #include "pbw.h"
-#endif
-
-#ifndef PBWSAMPLEDEF
-#define PBWSAMPLEDEF extern
 #endif
 
 #ifdef __cplusplus
@@ -135,26 +130,26 @@ typedef struct pbwsample_report {      /* edges are counted with points at one p
    or what pbw_for returns. */
 
 /* Fill an empty set; on failure it is left empty.  Samples keep to the surface within rounding. */
-PBWSAMPLEDEF pbw_status pbwsample_uniform(const pbwsample_model *model, const pbwsample_options *options,
-                                          pbwsample_set *set);
-PBWSAMPLEDEF pbw_status pbwsample_poisson(const pbwsample_model *model, const pbwsample_options *options,
-                                          pbwsample_set *set);
+PBWDEF pbw_status pbwsample_uniform(const pbwsample_model *model, const pbwsample_options *options,
+                                    pbwsample_set *set);
+PBWDEF pbw_status pbwsample_poisson(const pbwsample_model *model, const pbwsample_options *options,
+                                    pbwsample_set *set);
 /* Adds points inside to a set, which on failure is as before.  The set keeps the allocator that it was first filled
    with, and counts against memory_limit. */
-PBWSAMPLEDEF pbw_status pbwsample_volume(const pbwsample_model *model, const pbwsample_options *options,
-                                         pbwsample_set *set);
+PBWDEF pbw_status pbwsample_volume(const pbwsample_model *model, const pbwsample_options *options,
+                                   pbwsample_set *set);
 /* inside[i] = 1 if point i is: a ray leaves the surface an odd number of times.  Exact for a closed surface; of an
    open one, two of three rays along the axes must say so.  A point on the surface may count as either.
    options: threads, run, memory_limit, resize, progress; NULL = defaults. */
-PBWSAMPLEDEF pbw_status pbwsample_inside(const pbwsample_model *model, const double *points, size_t count,
-                                         const pbw_options *options, unsigned char *inside);
+PBWDEF pbw_status pbwsample_inside(const pbwsample_model *model, const double *points, size_t count,
+                                   const pbw_options *options, unsigned char *inside);
 /* options: memory_limit, resize, progress; NULL = defaults. */
-PBWSAMPLEDEF pbw_status pbwsample_inspect(const pbwsample_model *model, const pbw_options *options,
-                                          pbwsample_report *report);
+PBWDEF pbw_status pbwsample_inspect(const pbwsample_model *model, const pbw_options *options,
+                                    pbwsample_report *report);
 /* Frees what a set holds and zeroes it; fine on {0}, fine twice. */
-PBWSAMPLEDEF void pbwsample_free(pbwsample_set *set);
+PBWDEF void pbwsample_free(pbwsample_set *set);
 /* What a status of these functions means.  Never NULL, never freed. */
-PBWSAMPLEDEF const char *pbwsample_status_string(pbw_status status);
+PBWDEF const char *pbwsample_status_string(pbw_status status);
 
 #ifdef __cplusplus
 }
@@ -419,8 +414,8 @@ static pbw_status pbwsample__inspect(pbw_memory *memory, const pbwsample_model *
     return status;
 }
 
-PBWSAMPLEDEF pbw_status pbwsample_inspect(const pbwsample_model *model, const pbw_options *options,
-                                          pbwsample_report *report)
+PBWDEF pbw_status pbwsample_inspect(const pbwsample_model *model, const pbw_options *options,
+                                    pbwsample_report *report)
 {
     pbw_memory memory;
     pbw_status status = pbwsample__check_model(model);
@@ -505,7 +500,7 @@ static int pbwsample__reserve(pbwsample_set *set, size_t more, unsigned flags)
             || pbw_memory_grow(memory, &set->normals, capacity + 3, set->count, more, 3 * sizeof(double)));
 }
 
-PBWSAMPLEDEF void pbwsample_free(pbwsample_set *set)
+PBWDEF void pbwsample_free(pbwsample_set *set)
 {
     if (set != NULL) {
         (void)pbw_memory_fit(&set->memory, &set->points, set->capacity, 0, 3 * sizeof(double));
@@ -516,7 +511,7 @@ PBWSAMPLEDEF void pbwsample_free(pbwsample_set *set)
     }
 }
 
-PBWSAMPLEDEF const char *pbwsample_status_string(pbw_status status)
+PBWDEF const char *pbwsample_status_string(pbw_status status)
 {
     return status == PBW_DEGENERATE ? "the surface has no area, or encloses nothing, or too little to be hit"
          : status == PBW_ERROR_ARGUMENT
@@ -613,8 +608,8 @@ static pbw_status pbwsample__weigh(pbwsample__uniform_work *w, const pbwsample_o
     return sum > 0 && sum <= DBL_MAX ? PBW_OK : PBW_ERROR_ARGUMENT;
 }
 
-PBWSAMPLEDEF pbw_status pbwsample_uniform(const pbwsample_model *model, const pbwsample_options *options,
-                                          pbwsample_set *set)
+PBWDEF pbw_status pbwsample_uniform(const pbwsample_model *model, const pbwsample_options *options,
+                                    pbwsample_set *set)
 {
     pbwsample__uniform_work w;
     pbwsample__doubles computed = { NULL, 0, 0 };
@@ -846,8 +841,8 @@ static pbw_status pbwsample__inside_range(void *arg, size_t begin, size_t end)
     return PBW_OK;
 }
 
-PBWSAMPLEDEF pbw_status pbwsample_inside(const pbwsample_model *model, const double *points, size_t count,
-                                         const pbw_options *options, unsigned char *inside)
+PBWDEF pbw_status pbwsample_inside(const pbwsample_model *model, const double *points, size_t count,
+                                   const pbw_options *options, unsigned char *inside)
 {
     pbwsample__inside_work w;
     pbw_memory memory;
@@ -1684,8 +1679,8 @@ static pbw_status pbwsample__poisson(const pbwsample_model *model, const pbwsamp
     return w->status;
 }
 
-PBWSAMPLEDEF pbw_status pbwsample_poisson(const pbwsample_model *model, const pbwsample_options *options,
-                                          pbwsample_set *set)
+PBWDEF pbw_status pbwsample_poisson(const pbwsample_model *model, const pbwsample_options *options,
+                                    pbwsample_set *set)
 {
     pbw_status status = pbwsample__check_model(model);
     if (status == PBW_OK && (options == NULL || set == NULL || (options->count > 0) == (options->radius > 0))) {
@@ -1702,8 +1697,7 @@ PBWSAMPLEDEF pbw_status pbwsample_poisson(const pbwsample_model *model, const pb
     return status;
 }
 
-PBWSAMPLEDEF pbw_status pbwsample_volume(const pbwsample_model *model, const pbwsample_options *options,
-                                         pbwsample_set *set)
+PBWDEF pbw_status pbwsample_volume(const pbwsample_model *model, const pbwsample_options *options, pbwsample_set *set)
 {
     pbw_status status = pbwsample__check_model(model);
     pbwsample_options copy;

@@ -56,16 +56,11 @@
 
    CONFIGURATION MACROS
      PBW_SURFACE_IMPLEMENTATION  in one source file: compile the implementation there
-     PBWSURFACEDEF               everywhere: your own linkage for the functions, for example static
 */
 #ifndef PBW_SURFACE_H
 #define PBW_SURFACE_H
 #ifndef PBW_H
 #include "pbw.h"
-#endif
-
-#ifndef PBWSURFACEDEF
-#define PBWSURFACEDEF extern
 #endif
 
 #ifdef __cplusplus
@@ -84,25 +79,23 @@ typedef struct pbw_surface {               /* start from {0}; pbw_surface_free w
 
 /* Builds the tree.  Returns PBW_ERROR_ARGUMENT for ids out of range, PBW_ERROR_NOT_FINITE, or what pbw_order fails
    with; no triangles are fine. */
-PBWSURFACEDEF pbw_status pbw_surface_create(const double *points, size_t point_count, const pbw_index *triangles,
-                                            size_t triangle_count, const pbw_options *options, pbw_surface *surface);
+PBWDEF pbw_status pbw_surface_create(const double *points, size_t point_count, const pbw_index *triangles,
+                                     size_t triangle_count, const pbw_options *options, pbw_surface *surface);
 /* Returns the triangle nearest to p, and in `place` its point there; PBW_NONE if none is nearer than limit. */
-PBWSURFACEDEF pbw_index pbw_surface_closest(const pbw_surface *surface, const double p[3], double limit,
-                                            double place[3]);
+PBWDEF pbw_index pbw_surface_closest(const pbw_surface *surface, const double p[3], double limit, double place[3]);
 /* Returns the first triangle that the segment from a to b meets, and in *where how far along, 0 to 1, rounded;
    PBW_NONE if it meets none. */
-PBWSURFACEDEF pbw_index pbw_surface_meets(const pbw_surface *surface, const double a[3], const double b[3],
-                                          double *where);
+PBWDEF pbw_index pbw_surface_meets(const pbw_surface *surface, const double a[3], const double b[3], double *where);
 /* Returns 1 if a ray from p crosses the surface an odd number of times, else 0; for points on the surface either. */
-PBWSURFACEDEF int pbw_surface_inside(const pbw_surface *surface, const double p[3]);
+PBWDEF int pbw_surface_inside(const pbw_surface *surface, const double p[3]);
 /* Returns how many more triangles a ray from p leaves by their fronts than by their backs: for closed shells turned
    outward, the number of shells around p, by exact signs. */
-PBWSURFACEDEF long pbw_surface_turns(const pbw_surface *surface, const double p[3]);
+PBWDEF long pbw_surface_turns(const pbw_surface *surface, const double p[3]);
 /* Returns the winding number of the surface around p: for a closed surface turned outward 1 inside and 0 outside; for
    an open one a fraction, smooth across its holes, so that above 1/2 is a fair inside.  Triangles must be oriented
    alike. Far parts are approximated by dipoles: the error is about 0.01. */
-PBWSURFACEDEF double pbw_surface_winding(const pbw_surface *surface, const double p[3]);
-PBWSURFACEDEF void pbw_surface_free(pbw_surface *surface);   /* fine on {0}, fine twice */
+PBWDEF double pbw_surface_winding(const pbw_surface *surface, const double p[3]);
+PBWDEF void pbw_surface_free(pbw_surface *surface);   /* fine on {0}, fine twice */
 
 /* What is wrong with a surface.  Corners are compared by place, so that triangles with points of their own, as .stl
    files have them, are one surface: two triangles may meet in whole edges and corners that both have, and nowhere
@@ -128,10 +121,10 @@ typedef struct pbw_surface_faults {        /* start from {0}; pbw_surface_faults
 /* Finds them.  Returns what pbw_surface_create returns, PBW_CANCELLED, or PBW_ERROR_TOO_LARGE for more than 2^32 / 3
    triangles; faults are empty then.  Progress is PBW_STAGE_WORK.  Holds up to 150 bytes a triangle meanwhile, or 90 a
    point where that is more. */
-PBWSURFACEDEF pbw_status pbw_surface_crossings(const double *points, size_t point_count, const pbw_index *triangles,
-                                               size_t triangle_count, const pbw_options *options,
-                                               pbw_surface_faults *faults);
-PBWSURFACEDEF void pbw_surface_faults_free(pbw_surface_faults *faults);      /* fine on {0}, fine twice */
+PBWDEF pbw_status pbw_surface_crossings(const double *points, size_t point_count, const pbw_index *triangles,
+                                        size_t triangle_count, const pbw_options *options,
+                                        pbw_surface_faults *faults);
+PBWDEF void pbw_surface_faults_free(pbw_surface_faults *faults);      /* fine on {0}, fine twice */
 
 #ifdef __cplusplus
 }
@@ -380,8 +373,8 @@ static pbw_status pbwsf__check_input(const double *points, size_t point_count, c
     return PBW_OK;
 }
 
-PBWSURFACEDEF pbw_status pbw_surface_create(const double *points, size_t point_count, const pbw_index *triangles,
-                                            size_t triangle_count, const pbw_options *options, pbw_surface *surface)
+PBWDEF pbw_status pbw_surface_create(const double *points, size_t point_count, const pbw_index *triangles,
+                                     size_t triangle_count, const pbw_options *options, pbw_surface *surface)
 {
     pbw_memory memory;
     pbwsf__tree *tree;
@@ -419,7 +412,7 @@ PBWSF__SHARED static size_t pbwsf__bytes(const pbw_surface *surface)
     return surface->memory != NULL ? ((const pbwsf__tree *)surface->memory)->memory.used : 0;
 }
 
-PBWSURFACEDEF void pbw_surface_free(pbw_surface *surface)
+PBWDEF void pbw_surface_free(pbw_surface *surface)
 {
     if (surface != NULL && surface->memory != NULL) {
         pbwsf__tree *tree = (pbwsf__tree *)surface->memory;
@@ -488,8 +481,7 @@ static double pbwsf__box_distance(const pbwsf__box *box, const double *p)
     return sum;
 }
 
-PBWSURFACEDEF pbw_index pbw_surface_closest(const pbw_surface *surface, const double p[3], double limit,
-                                            double place[3])
+PBWDEF pbw_index pbw_surface_closest(const pbw_surface *surface, const double p[3], double limit, double place[3])
 {
     const pbwsf__tree *tree = (const pbwsf__tree *)surface->memory;
     const pbwsf__box *box = tree->boxes.at;
@@ -569,8 +561,7 @@ static double pbwsf__crossing(const double *const c[3], const double *a, const d
     return height + depth > 0 ? height / (height + depth) : 0.5;
 }
 
-PBWSURFACEDEF pbw_index pbw_surface_meets(const pbw_surface *surface, const double a[3], const double b[3],
-                                          double *where)
+PBWDEF pbw_index pbw_surface_meets(const pbw_surface *surface, const double a[3], const double b[3], double *where)
 {
     const pbwsf__tree *tree = (const pbwsf__tree *)surface->memory;
     const pbwsf__box *box = tree->boxes.at;
@@ -706,14 +697,14 @@ static void pbwsf__count_fronts(void *user, pbw_index triangle, int front)
     *(long *)user += front;
 }
 
-PBWSURFACEDEF long pbw_surface_turns(const pbw_surface *surface, const double p[3])
+PBWDEF long pbw_surface_turns(const pbw_surface *surface, const double p[3])
 {
     long turns = 0;
     pbwsf__ray(surface, p, pbwsf__count_fronts, &turns);
     return turns;
 }
 
-PBWSURFACEDEF int pbw_surface_inside(const pbw_surface *surface, const double p[3])
+PBWDEF int pbw_surface_inside(const pbw_surface *surface, const double p[3])
 {
     return (int)(pbw_surface_turns(surface, p) & 1);
 }
@@ -731,7 +722,7 @@ static double pbwsf__angle(const pbw_surface *s, pbw_index triangle, const doubl
                  + pbwsf__dot(c, a) * lb) / 6.283185307179586;
 }
 
-PBWSURFACEDEF double pbw_surface_winding(const pbw_surface *surface, const double p[3])
+PBWDEF double pbw_surface_winding(const pbw_surface *surface, const double p[3])
 {
     const pbwsf__tree *tree = (const pbwsf__tree *)surface->memory;
     const pbwsf__box *box = tree->boxes.at;
@@ -1875,9 +1866,9 @@ static void pbwsf__show(const pbwsf__found *f, pbw_surface_faults *faults)
     faults->repeated = f->repeated.at;
 }
 
-PBWSURFACEDEF pbw_status pbw_surface_crossings(const double *points, size_t point_count, const pbw_index *triangles,
-                                               size_t triangle_count, const pbw_options *options,
-                                               pbw_surface_faults *faults)
+PBWDEF pbw_status pbw_surface_crossings(const double *points, size_t point_count, const pbw_index *triangles,
+                                        size_t triangle_count, const pbw_options *options,
+                                        pbw_surface_faults *faults)
 {
     pbwsf__search search;
     pbw_memory memory;
@@ -1918,7 +1909,7 @@ PBWSURFACEDEF pbw_status pbw_surface_crossings(const double *points, size_t poin
     return status;
 }
 
-PBWSURFACEDEF void pbw_surface_faults_free(pbw_surface_faults *faults)
+PBWDEF void pbw_surface_faults_free(pbw_surface_faults *faults)
 {
     if (faults != NULL && faults->memory != NULL) {
         pbwsf__found *f = (pbwsf__found *)faults->memory;

@@ -79,10 +79,6 @@
 #include "pbw_tiles.h"
 #include <stdio.h>
 
-#ifndef PBWTFDEF
-#define PBWTFDEF extern
-#endif
-
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -148,56 +144,56 @@ typedef struct pbwtf_writer {              /* start with pbwtf_begin */
    cannot be read or is damaged.  options: memory_limit and resize, for all that the call and what it makes hold but
    the bytes of the file; NULL = defaults. */
 #define PBWTF_BLOCK 32768                  /* bytes */
-PBWTFDEF pbw_status pbwtf_map_file(const char *path, const pbw_options *options, pbwtf_map *map,
-                                   char *error);     /* an empty file is fine */
-PBWTFDEF void pbwtf_unmap(pbwtf_map *map);
+PBWDEF pbw_status pbwtf_map_file(const char *path, const pbw_options *options, pbwtf_map *map,
+                                 char *error);     /* an empty file is fine */
+PBWDEF void pbwtf_unmap(pbwtf_map *map);
 /* Reads the blocks that have some bytes of map->data, unless they are there.  Returns from.  What cannot be read is
    zeros. */
-PBWTFDEF const void *pbwtf_fetch(const pbwtf_map *map, const void *from, size_t size);
+PBWDEF const void *pbwtf_fetch(const pbwtf_map *map, const void *from, size_t size);
 /* Returns NULL, or what went wrong since the file was mapped. */
-PBWTFDEF const char *pbwtf_fault(const pbwtf_map *map);
-PBWTFDEF size_t pbwtf_fetched(const pbwtf_map *map);      /* bytes of the blocks that are there */
-PBWTFDEF void pbwtf_forget(const pbwtf_map *map);    /* frees all blocks; nobody may read meanwhile */
+PBWDEF const char *pbwtf_fault(const pbwtf_map *map);
+PBWDEF size_t pbwtf_fetched(const pbwtf_map *map);      /* bytes of the blocks that are there */
+PBWDEF void pbwtf_forget(const pbwtf_map *map);    /* frees all blocks; nobody may read meanwhile */
 /* The map ends at size, and blocks are compared with these sums of them, which are not copied: others are a fault. */
-PBWTFDEF void pbwtf_expect(pbwtf_map *map, size_t size, const uint64_t *sums);
-PBWTFDEF uint64_t pbwtf_sum(const void *data, size_t size);      /* of whole words; faster than a checksum */
-PBWTFDEF int pbwtf_seek(FILE *file, uint64_t place);              /* from the start, beyond 2 GB; 1: it is there */
-PBWTFDEF int64_t pbwtf_tell(FILE *file);                          /* -1: failed */
+PBWDEF void pbwtf_expect(pbwtf_map *map, size_t size, const uint64_t *sums);
+PBWDEF uint64_t pbwtf_sum(const void *data, size_t size);      /* of whole words; faster than a checksum */
+PBWDEF int pbwtf_seek(FILE *file, uint64_t place);              /* from the start, beyond 2 GB; 1: it is there */
+PBWDEF int64_t pbwtf_tell(FILE *file);                          /* -1: failed */
 /* Creates path.part.PROCESS-NUMBER, which was not there, for reading and writing.  name: that, of `size` bytes. */
-PBWTFDEF FILE *pbwtf_create(const char *path, char *name, size_t size);
+PBWDEF FILE *pbwtf_create(const char *path, char *name, size_t size);
 /* A folder of scratch files, where one run works at a time.  enter: makes the folder unless it is there, and locks
    the file `lock` in it: *lock, a descriptor; the lock ends with the process.  *is_foreign: the folder was there
    without that file, so that what has names of scratch files may be somebody's.  PBW_ERROR_BACKEND: another process
    works there, or why it failed.  leave: frees the lock; remove_it: the file, and the folder if it is empty, go, too.
    */
-PBWTFDEF pbw_status pbwtf_enter(const char *folder, int *lock, int *is_foreign, char *error);
-PBWTFDEF void pbwtf_leave(const char *folder, int lock, int remove_it);
-PBWTFDEF pbw_status pbwtf_open(const char *path, const pbw_options *options, pbwtf_file *file, char *error);
-PBWTFDEF void pbwtf_close(pbwtf_file *file);
-PBWTFDEF pbw_status pbwtf_view_of(const pbwtf_file *file, size_t chunk, pbwtf_view *view, char *error);
-PBWTFDEF pbw_status pbwtf_view_head(const pbwtf_file *file, size_t chunk, pbwtf_view *view,
-                                    char *error);    /* fetch the rest */
+PBWDEF pbw_status pbwtf_enter(const char *folder, int *lock, int *is_foreign, char *error);
+PBWDEF void pbwtf_leave(const char *folder, int lock, int remove_it);
+PBWDEF pbw_status pbwtf_open(const char *path, const pbw_options *options, pbwtf_file *file, char *error);
+PBWDEF void pbwtf_close(pbwtf_file *file);
+PBWDEF pbw_status pbwtf_view_of(const pbwtf_file *file, size_t chunk, pbwtf_view *view, char *error);
+PBWDEF pbw_status pbwtf_view_head(const pbwtf_file *file, size_t chunk, pbwtf_view *view,
+                                  char *error);    /* fetch the rest */
 /* pbwtf_view_head of a file that has no header yet: dim, flags, chunks and tiles of header and one entry are read. */
-PBWTFDEF pbw_status pbwtf_view_at(const pbwtf_map *map, const pbwtf_header *header, const pbwtf_entry *entry,
-                                  size_t chunk, pbwtf_view *view, char *error);
+PBWDEF pbw_status pbwtf_view_at(const pbwtf_map *map, const pbwtf_header *header, const pbwtf_entry *entry,
+                                size_t chunk, pbwtf_view *view, char *error);
 /* Returns whether the bytes of a chunk are those that were written, by its checksums, and what fills it up is 0. */
-PBWTFDEF int pbwtf_is_intact(const pbwtf_view *view, const pbwtf_entry *entry);
-PBWTFDEF uint64_t pbwtf_checksum(uint64_t h, const void *data, size_t size);     /* of whole words */
+PBWDEF int pbwtf_is_intact(const pbwtf_view *view, const pbwtf_entry *entry);
+PBWDEF uint64_t pbwtf_checksum(uint64_t h, const void *data, size_t size);     /* of whole words */
 /* Fills points, weights, simplices, neighbors (PBW_NONE at the hull and across), canonical: own points, then foreign.
    PBW_ERROR_MEMORY; PBW_ERROR_ARGUMENT: a corner or a link is out of range. */
-PBWTFDEF pbw_status pbwtf_mesh(const pbwtf_view *view, const pbw_options *options, pbw_mesh *mesh);
-PBWTFDEF void pbwtf_mesh_free(pbw_mesh *mesh);
+PBWDEF pbw_status pbwtf_mesh(const pbwtf_view *view, const pbw_options *options, pbw_mesh *mesh);
+PBWDEF void pbwtf_mesh_free(pbw_mesh *mesh);
 
 /* A chunk, from the file's position on: begin, pass pbwtf_emit and the writer to the tile's options, end.  tree may
    be NULL: leftovers, then tile is their number.  1: written, as far as fflush can tell. */
-PBWTFDEF void pbwtf_begin(pbwtf_writer *writer, FILE *file, const pbwt_tree *tree, uint32_t tile, uint32_t flags);
-PBWTFDEF pbw_status pbwtf_emit(void *user, const pbwt_tile *tile, size_t first, size_t count, const uint32_t *corners,
-                               const uint32_t *links);
-PBWTFDEF int pbwtf_end(pbwtf_writer *writer, const pbwt_tile *tile, int dim);
-PBWTFDEF size_t pbwtf_across_offset(const pbwtf_chunk *chunk);                   /* in the chunk */
-PBWTFDEF size_t pbwtf_chunk_size(const pbwtf_chunk *chunk);
+PBWDEF void pbwtf_begin(pbwtf_writer *writer, FILE *file, const pbwt_tree *tree, uint32_t tile, uint32_t flags);
+PBWDEF pbw_status pbwtf_emit(void *user, const pbwt_tile *tile, size_t first, size_t count, const uint32_t *corners,
+                             const uint32_t *links);
+PBWDEF int pbwtf_end(pbwtf_writer *writer, const pbwt_tile *tile, int dim);
+PBWDEF size_t pbwtf_across_offset(const pbwtf_chunk *chunk);                   /* in the chunk */
+PBWDEF size_t pbwtf_chunk_size(const pbwtf_chunk *chunk);
 /* Adds counts and the hash to a header's sums, then completes it (magic, checksum). */
-PBWTFDEF void pbwtf_seal(pbwtf_header *header, const pbw_hash_sums *sums);
+PBWDEF void pbwtf_seal(pbwtf_header *header, const pbw_hash_sums *sums);
 
 #ifdef __cplusplus
 }
@@ -244,7 +240,7 @@ static pbw_status pbwtf__fail(char *error, const char *path, const char *what)
     return what == pbwtf__no_memory ? PBW_ERROR_MEMORY : PBW_ERROR_BACKEND;
 }
 
-PBWTFDEF uint64_t pbwtf_checksum(uint64_t h, const void *data, size_t size)
+PBWDEF uint64_t pbwtf_checksum(uint64_t h, const void *data, size_t size)
 {
     const char *text = (const char *)data;
     size_t i;
@@ -257,7 +253,7 @@ PBWTFDEF uint64_t pbwtf_checksum(uint64_t h, const void *data, size_t size)
     return h;
 }
 
-PBWTFDEF uint64_t pbwtf_sum(const void *data, size_t size)
+PBWDEF uint64_t pbwtf_sum(const void *data, size_t size)
 {
     const char *text = size == 0 ? "" : (const char *)data;
     uint64_t lane[4] = { 1, 2, 3, 4 }, w[4];
@@ -276,7 +272,7 @@ PBWTFDEF uint64_t pbwtf_sum(const void *data, size_t size)
    >>places       Beyond 2 GB; names that are new.
    In: a position in a file, or its name.  Out: the file at that position, or a file that did not exist before.
    ------------------------------------------------------------------------------------------------------ */
-PBWTFDEF int pbwtf_seek(FILE *file, uint64_t place)
+PBWDEF int pbwtf_seek(FILE *file, uint64_t place)
 {
 #if defined(_WIN32)
     return _fseeki64(file, (__int64)place, SEEK_SET) == 0;
@@ -287,7 +283,7 @@ PBWTFDEF int pbwtf_seek(FILE *file, uint64_t place)
 #endif
 }
 
-PBWTFDEF int64_t pbwtf_tell(FILE *file)
+PBWDEF int64_t pbwtf_tell(FILE *file)
 {
 #if defined(_WIN32)
     return _ftelli64(file);
@@ -298,7 +294,7 @@ PBWTFDEF int64_t pbwtf_tell(FILE *file)
 #endif
 }
 
-PBWTFDEF FILE *pbwtf_create(const char *path, char *name, size_t size)
+PBWDEF FILE *pbwtf_create(const char *path, char *name, size_t size)
 {
     FILE *file = NULL;
     unsigned number;
@@ -377,7 +373,7 @@ static int pbwtf__try_lock(const char *folder, const char *name, int *lock, char
 }
 #endif
 
-PBWTFDEF pbw_status pbwtf_enter(const char *folder, int *lock, int *is_foreign, char *error)
+PBWDEF pbw_status pbwtf_enter(const char *folder, int *lock, int *is_foreign, char *error)
 {
     char name[1200];
     struct stat there;
@@ -396,7 +392,7 @@ PBWTFDEF pbw_status pbwtf_enter(const char *folder, int *lock, int *is_foreign, 
          : result == 0 ? PBW_ERROR_BACKEND : PBW_OK;
 }
 
-PBWTFDEF void pbwtf_leave(const char *folder, int lock, int remove_it)
+PBWDEF void pbwtf_leave(const char *folder, int lock, int remove_it)
 {
     char name[1200];
     snprintf(name, sizeof name, "%s/lock", folder);
@@ -474,7 +470,7 @@ static void pbwtf__free_blocks(pbwtf_map *map)
 }
 
 #ifdef PBWTF__IN_BLOCKS
-PBWTFDEF pbw_status pbwtf_map_file(const char *path, const pbw_options *options, pbwtf_map *map, char *error)
+PBWDEF pbw_status pbwtf_map_file(const char *path, const pbw_options *options, pbwtf_map *map, char *error)
 {
     const int file = open(path, O_RDONLY);
     struct stat about;
@@ -529,7 +525,7 @@ static int pbwtf__read_block(const pbwtf_map *map, size_t from, size_t size)
     return good;
 }
 
-PBWTFDEF void pbwtf_unmap(pbwtf_map *map)
+PBWDEF void pbwtf_unmap(pbwtf_map *map)
 {
     if (map->data != NULL) {
         munmap((void *)(size_t)map->data, map->blocks->size);
@@ -537,7 +533,7 @@ PBWTFDEF void pbwtf_unmap(pbwtf_map *map)
     pbwtf__free_blocks(map);
 }
 
-PBWTFDEF void pbwtf_forget(const pbwtf_map *map)
+PBWDEF void pbwtf_forget(const pbwtf_map *map)
 {
     size_t i, from = 0, count = pbwtf_fetched(map) > 0 ? pbwtf__block_count(map->size) : 0;
     for (i = 0; i <= count; i++) {
@@ -557,7 +553,7 @@ PBWTFDEF void pbwtf_forget(const pbwtf_map *map)
     }
 }
 #else
-PBWTFDEF pbw_status pbwtf_map_file(const char *path, const pbw_options *options, pbwtf_map *map, char *error)
+PBWDEF pbw_status pbwtf_map_file(const char *path, const pbw_options *options, pbwtf_map *map, char *error)
 {
     FILE *file = fopen(path, "rb");
     const int64_t size = file != NULL && fseek(file, 0, SEEK_END) == 0 ? pbwtf_tell(file) : -1;
@@ -598,7 +594,7 @@ static int pbwtf__read_block(const pbwtf_map *map, size_t from, size_t size)
     return 1;
 }
 
-PBWTFDEF void pbwtf_unmap(pbwtf_map *map)
+PBWDEF void pbwtf_unmap(pbwtf_map *map)
 {
     if (map->data != NULL) {
         (void)pbw_memory_resize(&map->blocks->memory, (void *)(size_t)map->data, map->blocks->size + 1, 0, 1);
@@ -606,7 +602,7 @@ PBWTFDEF void pbwtf_unmap(pbwtf_map *map)
     pbwtf__free_blocks(map);
 }
 
-PBWTFDEF void pbwtf_forget(const pbwtf_map *map)
+PBWDEF void pbwtf_forget(const pbwtf_map *map)
 {
     (void)map;
 }
@@ -632,12 +628,12 @@ static void pbwtf__load(const pbwtf_map *map, size_t block)
     PBWTF__SET(b->state + block, 2);
 }
 
-PBWTFDEF size_t pbwtf_fetched(const pbwtf_map *map)
+PBWDEF size_t pbwtf_fetched(const pbwtf_map *map)
 {
     return map->blocks != NULL ? PBWTF__GET(&map->blocks->count) * PBWTF_BLOCK : 0;
 }
 
-PBWTFDEF const void *pbwtf_fetch(const pbwtf_map *map, const void *from, size_t size)
+PBWDEF const void *pbwtf_fetch(const pbwtf_map *map, const void *from, size_t size)
 {
     const size_t begin = (size_t)((const char *)from - map->data);
     size_t block = begin / PBWTF_BLOCK;
@@ -649,14 +645,14 @@ PBWTFDEF const void *pbwtf_fetch(const pbwtf_map *map, const void *from, size_t 
     return from;
 }
 
-PBWTFDEF const char *pbwtf_fault(const pbwtf_map *map)
+PBWDEF const char *pbwtf_fault(const pbwtf_map *map)
 {
     const int fault = map->blocks != NULL ? PBWTF__GET(&map->blocks->fault) : 0;
     return fault == 0 ? NULL : fault == 1 ? "it was truncated or replaced while it was read"
          : "it is damaged: a checksum is wrong";
 }
 
-PBWTFDEF void pbwtf_expect(pbwtf_map *map, size_t size, const uint64_t *sums)
+PBWDEF void pbwtf_expect(pbwtf_map *map, size_t size, const uint64_t *sums)
 {
     map->size = size < map->size ? size : map->size;
     map->blocks->sums = sums;
@@ -679,7 +675,7 @@ static void pbwtf__sizes(const pbwtf_chunk *chunk, pbwtf_view *view)
     view->simplex_size = ((size_t)chunk->dim + 1) * (chunk->flags & PBWTF_LINKS ? 2 : 1);
 }
 
-PBWTFDEF size_t pbwtf_across_offset(const pbwtf_chunk *chunk)
+PBWDEF size_t pbwtf_across_offset(const pbwtf_chunk *chunk)
 {
     pbwtf_view view;
     size_t simplices;
@@ -689,12 +685,12 @@ PBWTFDEF size_t pbwtf_across_offset(const pbwtf_chunk *chunk)
          + (size_t)chunk->foreign * view.foreign_size * 8 + pbwtf__round((size_t)chunk->given * 4);
 }
 
-PBWTFDEF size_t pbwtf_chunk_size(const pbwtf_chunk *chunk)
+PBWDEF size_t pbwtf_chunk_size(const pbwtf_chunk *chunk)
 {
     return pbwtf_across_offset(chunk) + (size_t)chunk->across * 8;
 }
 
-PBWTFDEF void pbwtf_seal(pbwtf_header *header, const pbw_hash_sums *sums)
+PBWDEF void pbwtf_seal(pbwtf_header *header, const pbw_hash_sums *sums)
 {
     memcpy(header->magic, "PBWT0001", 8);
     header->hash = header->points > 0 ? pbw_hash_of(sums) : 0;
@@ -749,7 +745,7 @@ static const char *pbwtf__table_fault(const pbwtf_header *h, const pbwtf_entry *
     return bytes != h->table ? "the table of tiles is wrong" : NULL;
 }
 
-PBWTFDEF pbw_status pbwtf_open(const char *path, const pbw_options *options, pbwtf_file *file, char *error)
+PBWDEF pbw_status pbwtf_open(const char *path, const pbw_options *options, pbwtf_file *file, char *error)
 {
     const char *what, *table;
     pbwtf_header header;
@@ -789,7 +785,7 @@ PBWTFDEF pbw_status pbwtf_open(const char *path, const pbw_options *options, pbw
     return PBW_OK;
 }
 
-PBWTFDEF void pbwtf_close(pbwtf_file *file)
+PBWDEF void pbwtf_close(pbwtf_file *file)
 {
     if (file->header != NULL) {
         const size_t bytes = sizeof *file->header + file->header->chunks * sizeof(pbwtf_entry);
@@ -809,8 +805,8 @@ static int pbwtf__is_head(const pbwtf_chunk *c, const pbwtf_header *h, size_t ch
         && (chunk < h->tiles || (c->own == 0 && c->duplicates == 0)) && (links || (c->across == 0 && c->hull == 0));
 }
 
-PBWTFDEF pbw_status pbwtf_view_at(const pbwtf_map *map, const pbwtf_header *header, const pbwtf_entry *entry,
-                                  size_t chunk, pbwtf_view *view, char *error)
+PBWDEF pbw_status pbwtf_view_at(const pbwtf_map *map, const pbwtf_header *header, const pbwtf_entry *entry,
+                                size_t chunk, pbwtf_view *view, char *error)
 {
     const uint64_t most = map->size;
     const char *at;
@@ -844,7 +840,7 @@ PBWTFDEF pbw_status pbwtf_view_at(const pbwtf_map *map, const pbwtf_header *head
     return PBW_OK;
 }
 
-PBWTFDEF pbw_status pbwtf_view_head(const pbwtf_file *file, size_t chunk, pbwtf_view *view, char *error)
+PBWDEF pbw_status pbwtf_view_head(const pbwtf_file *file, size_t chunk, pbwtf_view *view, char *error)
 {
     const pbwtf_header *header = file->header;
     const pbwtf_entry *entry = file->table + chunk;
@@ -867,7 +863,7 @@ PBWTFDEF pbw_status pbwtf_view_head(const pbwtf_file *file, size_t chunk, pbwtf_
     return PBW_OK;
 }
 
-PBWTFDEF pbw_status pbwtf_view_of(const pbwtf_file *file, size_t chunk, pbwtf_view *view, char *error)
+PBWDEF pbw_status pbwtf_view_of(const pbwtf_file *file, size_t chunk, pbwtf_view *view, char *error)
 {
     char name[40];
     const pbw_status status = pbwtf_view_head(file, chunk, view, error);
@@ -879,7 +875,7 @@ PBWTFDEF pbw_status pbwtf_view_of(const pbwtf_file *file, size_t chunk, pbwtf_vi
     return pbwtf_fault(&file->map) == NULL ? PBW_OK : pbwtf__fail(error, name, pbwtf_fault(&file->map));
 }
 
-PBWTFDEF int pbwtf_is_intact(const pbwtf_view *view, const pbwtf_entry *entry)
+PBWDEF int pbwtf_is_intact(const pbwtf_view *view, const pbwtf_entry *entry)
 {
     const pbwtf_chunk *c = view->chunk;
     const char *after_head = (const char *)view->own;        /* the head may be a copy */
@@ -892,7 +888,7 @@ PBWTFDEF int pbwtf_is_intact(const pbwtf_view *view, const pbwtf_entry *entry)
 /* What pbw_mesh.memory points at; behind it are points, weights, simplices, neighbors, canonical, incident. */
 typedef struct pbwtf__block { pbw_memory memory; size_t doubles; } pbwtf__block;
 
-PBWTFDEF void pbwtf_mesh_free(pbw_mesh *mesh)
+PBWDEF void pbwtf_mesh_free(pbw_mesh *mesh)
 {
     if (mesh->memory != NULL) {
         pbwtf__block *block = (pbwtf__block *)mesh->memory;
@@ -902,7 +898,7 @@ PBWTFDEF void pbwtf_mesh_free(pbw_mesh *mesh)
     memset(mesh, 0, sizeof *mesh);
 }
 
-PBWTFDEF pbw_status pbwtf_mesh(const pbwtf_view *view, const pbw_options *options, pbw_mesh *mesh)
+PBWDEF pbw_status pbwtf_mesh(const pbwtf_view *view, const pbw_options *options, pbw_mesh *mesh)
 {
     const size_t dim = view->chunk->dim, corners = dim + 1, own = (size_t)view->chunk->own;
     const size_t count = own + (size_t)view->chunk->foreign, simplices = (size_t)view->chunk->simplices;
@@ -1016,7 +1012,7 @@ static void pbwtf__put_point(pbwtf_writer *w, const pbwt_point *p, const uint64_
     pbwtf__put(w, record, at);
 }
 
-PBWTFDEF void pbwtf_begin(pbwtf_writer *writer, FILE *file, const pbwt_tree *tree, uint32_t tile, uint32_t flags)
+PBWDEF void pbwtf_begin(pbwtf_writer *writer, FILE *file, const pbwt_tree *tree, uint32_t tile, uint32_t flags)
 {
     size_t i;
     memset(writer, 0, sizeof *writer);
@@ -1037,8 +1033,8 @@ PBWTFDEF void pbwtf_begin(pbwtf_writer *writer, FILE *file, const pbwt_tree *tre
     }
 }
 
-PBWTFDEF pbw_status pbwtf_emit(void *user, const pbwt_tile *tile, size_t first, size_t count, const uint32_t *corners,
-                               const uint32_t *links)
+PBWDEF pbw_status pbwtf_emit(void *user, const pbwt_tile *tile, size_t first, size_t count, const uint32_t *corners,
+                             const uint32_t *links)
 {
     pbwtf_writer *w = (pbwtf_writer *)user;
     const size_t each = (size_t)tile->dim + 1, all = w->chunk.flags & PBWTF_LINKS ? 2 * each : each;
@@ -1064,7 +1060,7 @@ PBWTFDEF pbw_status pbwtf_emit(void *user, const pbwt_tile *tile, size_t first, 
     return w->failed ? PBW_ERROR_BACKEND : PBW_OK;
 }
 
-PBWTFDEF int pbwtf_end(pbwtf_writer *w, const pbwt_tile *tile, int dim)
+PBWDEF int pbwtf_end(pbwtf_writer *w, const pbwt_tile *tile, int dim)
 {
     const uint64_t nothing = PBWT_NOTHING;
     size_t i;

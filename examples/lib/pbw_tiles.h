@@ -78,16 +78,11 @@
 
    CONFIGURATION MACROS
      PBW_TILES_IMPLEMENTATION    in one source file: compile the implementation there
-     PBWTDEF                     everywhere: your own linkage for the functions, for example static
 */
 #ifndef PBW_TILES_H
 #define PBW_TILES_H
 #ifndef PBW_H
 #include "pbw.h"
-#endif
-
-#ifndef PBWTDEF
-#define PBWTDEF extern
 #endif
 
 #ifdef __cplusplus
@@ -107,8 +102,8 @@ typedef struct pbwt_bytes { char *data; size_t size; } pbwt_bytes;
 typedef struct pbwt_cut { double x[3]; int axis, unused; } pbwt_cut;
 
 /* Fills parts-1 cuts that halve the sample again and again.  Reorders the sample. */
-PBWTDEF void pbwt_cut_points(int dim, pbwt_point *sample, size_t count, int parts, pbwt_cut *cuts);
-PBWTDEF int pbwt_part(int dim, const pbwt_cut *cuts, int parts, const pbwt_point *point);
+PBWDEF void pbwt_cut_points(int dim, pbwt_point *sample, size_t count, int parts, pbwt_cut *cuts);
+PBWDEF int pbwt_part(int dim, const pbwt_cut *cuts, int parts, const pbwt_point *point);
 
 /* ---- one part's points, along the Hilbert curve without duplicates, and boxes over them: flat arrays that may be
    mapped from a file.  Any number of threads may ask one tree at once, but not during pbwt_ask of its tile: this
@@ -143,14 +138,14 @@ typedef struct pbwt_summary {
 
 /* Fails as pbw_order does; an empty part is fine.  Of points at one place the one with the largest weight stays, then
    that with the lowest id.  weight is 0 for Delaunay triangulations. */
-PBWTDEF pbw_status pbwt_tree_make(int dim, int part, const pbwt_point *points, size_t count,
-                                  const pbw_options *options, pbwt_tree *tree);
+PBWDEF pbw_status pbwt_tree_make(int dim, int part, const pbwt_point *points, size_t count,
+                                 const pbw_options *options, pbwt_tree *tree);
 /* A tree over arrays of an earlier one, for example mapped ones; summary: of that.  Free nothing but the arrays. */
-PBWTDEF void pbwt_tree_over(int dim, int part, const pbwt_summary *summary, const pbwt_point *points,
-                            const pbwt_box *boxes, pbwt_tree *tree);
-PBWTDEF size_t pbwt_boxes_of(size_t points);         /* box_count of a tree over so many points */
-PBWTDEF void pbwt_tree_free(pbwt_tree *tree);
-PBWTDEF void pbwt_summarise(const pbwt_tree *tree, pbwt_summary *summary);
+PBWDEF void pbwt_tree_over(int dim, int part, const pbwt_summary *summary, const pbwt_point *points,
+                           const pbwt_box *boxes, pbwt_tree *tree);
+PBWDEF size_t pbwt_boxes_of(size_t points);         /* box_count of a tree over so many points */
+PBWDEF void pbwt_tree_free(pbwt_tree *tree);
+PBWDEF void pbwt_summarise(const pbwt_tree *tree, pbwt_summary *summary);
 
 /* ---- answers to one other part.  Start from {0}; pbwt_served_free when that part has finished. */
 
@@ -169,10 +164,10 @@ typedef struct pbwt_served {
 
 /* Appends nothing: reply is overwritten, and grown with the tree's options.resize; pbwt_bytes_free(tree, ..) frees.
    asker: the summary's count of the part that asks. */
-PBWTDEF pbw_status pbwt_answer(const pbwt_tree *tree, pbwt_served *served, const pbwt_bytes *request,
-                               const pbwt_limits *limits, uint64_t asker, pbwt_bytes *reply);
-PBWTDEF void pbwt_served_free(const pbwt_tree *tree, pbwt_served *served);
-PBWTDEF void pbwt_bytes_free(const pbwt_tree *tree, pbwt_bytes *bytes);
+PBWDEF pbw_status pbwt_answer(const pbwt_tree *tree, pbwt_served *served, const pbwt_bytes *request,
+                              const pbwt_limits *limits, uint64_t asker, pbwt_bytes *reply);
+PBWDEF void pbwt_served_free(const pbwt_tree *tree, pbwt_served *served);
+PBWDEF void pbwt_bytes_free(const pbwt_tree *tree, pbwt_bytes *bytes);
 
 /* ---- one part's work */
 
@@ -228,29 +223,29 @@ struct pbwt_tile {                         /* start from {0} */
 };
 
 /* summaries: of all parts, copied.  tree: refers to it; it may be one of count 0. */
-PBWTDEF pbw_status pbwt_open(pbwt_tile *tile, pbwt_tree *tree, const pbwt_summary *summaries, int parts,
-                             const pbwt_options *options);
+PBWDEF pbw_status pbwt_open(pbwt_tile *tile, pbwt_tree *tree, const pbwt_summary *summaries, int parts,
+                            const pbwt_options *options);
 /* Works until other parts must be asked.  more: 1 = requests are filled (some may be empty: size 0), take all replies
    and ask again; 0 = finished, but for leftovers and facets.  A failed tile can only be closed. */
-PBWTDEF pbw_status pbwt_ask(pbwt_tile *tile, int *more);
+PBWDEF pbw_status pbwt_ask(pbwt_tile *tile, int *more);
 /* PBW_ERROR_ARGUMENT for what is no reply to the request. */
-PBWTDEF pbw_status pbwt_take(pbwt_tile *tile, int part, const void *reply, size_t size);
-PBWTDEF void pbwt_close(pbwt_tile *tile);
+PBWDEF pbw_status pbwt_take(pbwt_tile *tile, int part, const void *reply, size_t size);
+PBWDEF void pbwt_close(pbwt_tile *tile);
 
 /* ---- leftovers, if any part has some */
 
 /* ids: ascending, of all vertices that any part gave up.  Returns in *out what this tile knows: its own ones among
    them, and those of its other points that are neighbours of some; free by pbwt_bytes_free(tile->tree, out).
    Reads dim, tree, foreign, leftovers, border and numbers.simplices of the tile, which may be kept in a file. */
-PBWTDEF pbw_status pbwt_leftovers(const pbwt_tile *tile, const uint64_t *ids, size_t count, pbwt_bytes *out);
+PBWDEF pbw_status pbwt_leftovers(const pbwt_tile *tile, const uint64_t *ids, size_t count, pbwt_bytes *out);
 /* known: what all tiles returned, one after the other.  Triangulates and emits the simplices of the leftovers, as
    part `parts`; corners are then numbers in tile.foreign.  PBW_DEGENERATE if all points together are flat. */
-PBWTDEF pbw_status pbwt_finish(pbwt_tile *tile, int dim, int parts, const pbwt_bytes *known,
-                               const pbwt_options *options);
+PBWDEF pbw_status pbwt_finish(pbwt_tile *tile, int dim, int parts, const pbwt_bytes *known,
+                              const pbwt_options *options);
 
 /* ---- links: fills `to` of facets of any parts (all that share an id[0] must be there) and sorts them by `from`, the
    order in which each tile has them.  Returns how many have nothing across: facets of the hull. */
-PBWTDEF size_t pbwt_match(pbwt_facet *facets, size_t count);
+PBWDEF size_t pbwt_match(pbwt_facet *facets, size_t count);
 
 #ifdef __cplusplus
 }
@@ -410,7 +405,7 @@ static int pbwt__longest(int dim, const pbwt_point *points, size_t count)
     return axis;
 }
 
-PBWTDEF void pbwt_cut_points(int dim, pbwt_point *sample, size_t count, int parts, pbwt_cut *cuts)
+PBWDEF void pbwt_cut_points(int dim, pbwt_point *sample, size_t count, int parts, pbwt_cut *cuts)
 {
     struct { int first, end; size_t from, to; } stack[64], job;
     int depth = 1;
@@ -447,7 +442,7 @@ PBWTDEF void pbwt_cut_points(int dim, pbwt_point *sample, size_t count, int part
     }
 }
 
-PBWTDEF int pbwt_part(int dim, const pbwt_cut *cuts, int parts, const pbwt_point *point)
+PBWDEF int pbwt_part(int dim, const pbwt_cut *cuts, int parts, const pbwt_point *point)
 {
     int first = 0, end = parts;
     while (end - first > 1) {
@@ -500,7 +495,7 @@ static pbwt__levels pbwt__levels_over(const pbwt_box *boxes, size_t lowest)
     return l;
 }
 
-PBWTDEF size_t pbwt_boxes_of(size_t points)
+PBWDEF size_t pbwt_boxes_of(size_t points)
 {
     return pbwt__level_boxes((points + PBWT_LEAF - 1) / PBWT_LEAF);
 }
@@ -614,8 +609,8 @@ static void pbwt__choose_samples(pbwt_tree *tree)
     tree->samples = j;
 }
 
-PBWTDEF void pbwt_tree_over(int dim, int part, const pbwt_summary *summary, const pbwt_point *points,
-                            const pbwt_box *boxes, pbwt_tree *tree)
+PBWDEF void pbwt_tree_over(int dim, int part, const pbwt_summary *summary, const pbwt_point *points,
+                           const pbwt_box *boxes, pbwt_tree *tree)
 {
     memset(tree, 0, sizeof *tree);
     tree->dim = dim;
@@ -673,8 +668,8 @@ static size_t pbwt__gather(const pbwt_point *points, const pbw_index *order, siz
     return n;
 }
 
-PBWTDEF pbw_status pbwt_tree_make(int dim, int part, const pbwt_point *points, size_t count,
-                                  const pbw_options *options, pbwt_tree *tree)
+PBWDEF pbw_status pbwt_tree_make(int dim, int part, const pbwt_point *points, size_t count,
+                                 const pbw_options *options, pbwt_tree *tree)
 {
     pbw_options order_options, zero;
     pbw_memory memory;
@@ -756,7 +751,7 @@ static pbw_memory pbwt__memory_beside(const pbwt_tree *tree)
     return memory;
 }
 
-PBWTDEF void pbwt_tree_free(pbwt_tree *tree)
+PBWDEF void pbwt_tree_free(pbwt_tree *tree)
 {
     pbw_memory memory;
     if (tree->memory != NULL) {
@@ -766,7 +761,7 @@ PBWTDEF void pbwt_tree_free(pbwt_tree *tree)
     memset(tree, 0, sizeof *tree);
 }
 
-PBWTDEF void pbwt_summarise(const pbwt_tree *tree, pbwt_summary *summary)
+PBWDEF void pbwt_summarise(const pbwt_tree *tree, pbwt_summary *summary)
 {
     const pbwt__levels levels = pbwt__tree_levels(tree);
     int i;
@@ -1301,7 +1296,7 @@ static pbw_status pbwt__write_reply(pbwt__serving *s, const pbwt__bytes *verdict
     return PBW_OK;
 }
 
-PBWTDEF void pbwt_bytes_free(const pbwt_tree *tree, pbwt_bytes *bytes)
+PBWDEF void pbwt_bytes_free(const pbwt_tree *tree, pbwt_bytes *bytes)
 {
     pbw_memory memory;
     if (bytes->data != NULL) {
@@ -1311,7 +1306,7 @@ PBWTDEF void pbwt_bytes_free(const pbwt_tree *tree, pbwt_bytes *bytes)
     memset(bytes, 0, sizeof *bytes);
 }
 
-PBWTDEF void pbwt_served_free(const pbwt_tree *tree, pbwt_served *served)
+PBWDEF void pbwt_served_free(const pbwt_tree *tree, pbwt_served *served)
 {
     pbwt_bytes_free(tree, &served->set);
     memset(served, 0, sizeof *served);
@@ -1380,8 +1375,8 @@ static pbw_status pbwt__answer_all(pbwt__serving *s, const pbwt_bytes *request, 
     return pbwt__answer_every(s, request, 1, verdicts) ? PBW_OK : PBW_ERROR_MEMORY;
 }
 
-PBWTDEF pbw_status pbwt_answer(const pbwt_tree *tree, pbwt_served *served, const pbwt_bytes *request,
-                               const pbwt_limits *limits, uint64_t asker, pbwt_bytes *reply)
+PBWDEF pbw_status pbwt_answer(const pbwt_tree *tree, pbwt_served *served, const pbwt_bytes *request,
+                              const pbwt_limits *limits, uint64_t asker, pbwt_bytes *reply)
 {
     pbwt__serving s;
     pbwt__bytes verdicts = { NULL, 0, 0 };
@@ -1493,7 +1488,7 @@ static void pbwt__level_free(struct pbwt__tile *t, pbwt__level *level)
     PBW_RELEASE(&t->memory, level->map);
 }
 
-PBWTDEF void pbwt_close(pbwt_tile *tile)
+PBWDEF void pbwt_close(pbwt_tile *tile)
 {
     struct pbwt__tile *t = tile->memory;
     pbw_memory memory;
@@ -1606,8 +1601,8 @@ static pbw_status pbwt__meet_parts(struct pbwt__tile *t, const pbwt_summary *sum
     return PBW_OK;
 }
 
-PBWTDEF pbw_status pbwt_open(pbwt_tile *tile, pbwt_tree *tree, const pbwt_summary *summaries, int parts,
-                             const pbwt_options *options)
+PBWDEF pbw_status pbwt_open(pbwt_tile *tile, pbwt_tree *tree, const pbwt_summary *summaries, int parts,
+                            const pbwt_options *options)
 {
     pbwt_options defaults;
     pbw_status status = PBW_OK;
@@ -1761,7 +1756,7 @@ static void pbwt__hear(struct pbwt__tile *t, uint32_t simplex, int verdict)
     }
 }
 
-PBWTDEF pbw_status pbwt_take(pbwt_tile *tile, int part, const void *reply, size_t size)
+PBWDEF pbw_status pbwt_take(pbwt_tile *tile, int part, const void *reply, size_t size)
 {
     struct pbwt__tile *t = tile->memory;
     const pbwt__numbers *asked;
@@ -2646,7 +2641,7 @@ static pbw_status pbwt__next_level(struct pbwt__tile *t, int *more)
     return status;
 }
 
-PBWTDEF pbw_status pbwt_ask(pbwt_tile *tile, int *more)
+PBWDEF pbw_status pbwt_ask(pbwt_tile *tile, int *more)
 {
     struct pbwt__tile *t = tile->memory;
     pbw_status status = PBW_OK;
@@ -2757,7 +2752,7 @@ static int pbwt__find_known(pbwt__knowing *k, const uint64_t *ids, size_t count)
     return room;
 }
 
-PBWTDEF pbw_status pbwt_leftovers(const pbwt_tile *tile, const uint64_t *ids, size_t count, pbwt_bytes *out)
+PBWDEF pbw_status pbwt_leftovers(const pbwt_tile *tile, const uint64_t *ids, size_t count, pbwt_bytes *out)
 {
     pbwt__knowing k;
     pbwt__known head;
@@ -2945,8 +2940,8 @@ static pbw_status pbwt__finish_rest(pbwt__rest *rest, int parts, const pbwt_byte
     return status;
 }
 
-PBWTDEF pbw_status pbwt_finish(pbwt_tile *tile, int dim, int parts, const pbwt_bytes *known,
-                               const pbwt_options *options)
+PBWDEF pbw_status pbwt_finish(pbwt_tile *tile, int dim, int parts, const pbwt_bytes *known,
+                              const pbwt_options *options)
 {
     pbwt__rest rest;
     pbwt_options defaults;
@@ -2995,7 +2990,7 @@ static int pbwt__from_before(const void *a, const void *b, int how)
     return ((const pbwt_facet *)a)->from < ((const pbwt_facet *)b)->from;
 }
 
-PBWTDEF size_t pbwt_match(pbwt_facet *facets, size_t count)
+PBWDEF size_t pbwt_match(pbwt_facet *facets, size_t count)
 {
     size_t i, single = 0;
     pbwt__sort(facets, count, sizeof *facets, pbwt__facet_before, 0);

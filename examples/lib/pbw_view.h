@@ -43,10 +43,6 @@
 #include "pbw_io.h"
 #endif
 
-#ifndef PBWVIEWDEF
-#define PBWVIEWDEF extern
-#endif
-
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -92,8 +88,8 @@ typedef struct pbwview_options {       /* NULL or all zero = best defaults */
 } pbwview_options;
 
 /* Writes the page whole or not at all.  Needs no neighbors. */
-PBWVIEWDEF pbwio_status pbwview_write(const char *path, const pbw_mesh *mesh, const pbwview_options *options,
-                                      pbwio_error *error);
+PBWDEF pbwio_status pbwview_write(const char *path, const pbw_mesh *mesh, const pbwview_options *options,
+                                  pbwio_error *error);
 
 #ifdef __cplusplus
 }
@@ -508,8 +504,8 @@ static const char *pbwview__prepare(pbwview__page *page)
     return NULL;
 }
 
-PBWVIEWDEF pbwio_status pbwview_write(const char *path, const pbw_mesh *mesh, const pbwview_options *options,
-                                      pbwio_error *error)
+PBWDEF pbwio_status pbwview_write(const char *path, const pbw_mesh *mesh, const pbwview_options *options,
+                                  pbwio_error *error)
 {
     pbwview_options defaults;
     pbw_options build;

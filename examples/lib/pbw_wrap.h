@@ -55,16 +55,11 @@
 
    CONFIGURATION MACROS
      PBW_WRAP_IMPLEMENTATION    in one source file: compile the implementation there
-     PBWWRAPDEF                 everywhere: your own linkage for the functions, for example static
 */
 #ifndef PBW_WRAP_H
 #define PBW_WRAP_H
 #ifndef PBW_SURFACE_H
 #include "pbw_surface.h"
-#endif
-
-#ifndef PBWWRAPDEF
-#define PBWWRAPDEF extern
 #endif
 
 #ifdef __cplusplus
@@ -150,14 +145,14 @@ typedef struct pbw_wrap_report {
    uses threads, run, resize, memory_limit and progress (PBW_STAGE_WORK).  Returns PBW_ERROR_ARGUMENT for ids out of
    range and lengths below zero or above 1e100, PBW_ERROR_NOT_FINITE, a status of report.refusal, or what
    pbw_triangulate and pbw_surface_create fail with. */
-PBWWRAPDEF pbw_status pbw_wrap(const pbw_wrap_input *input, const pbw_wrap_options *how, const pbw_options *options,
-                               pbw_wrap_result *wrap, pbw_wrap_report *report);
+PBWDEF pbw_status pbw_wrap(const pbw_wrap_input *input, const pbw_wrap_options *how, const pbw_options *options,
+                           pbw_wrap_result *wrap, pbw_wrap_report *report);
 /* Measures distance[0], of a surface's corners, edge middles and centroids from the elements, at most, and
    distance[1], of the elements' corners and centroids from the surface, at most.  Fails as pbw_wrap does. */
-PBWWRAPDEF pbw_status pbw_wrap_distance(const pbw_wrap_input *input, const double *points, size_t point_count,
-                                        const pbw_index *facets, size_t facet_count, const pbw_options *options,
-                                        double distance[2]);
-PBWWRAPDEF void pbw_wrap_free(pbw_wrap_result *wrap);        /* fine on {0}, fine twice */
+PBWDEF pbw_status pbw_wrap_distance(const pbw_wrap_input *input, const double *points, size_t point_count,
+                                    const pbw_index *facets, size_t facet_count, const pbw_options *options,
+                                    double distance[2]);
+PBWDEF void pbw_wrap_free(pbw_wrap_result *wrap);        /* fine on {0}, fine twice */
 
 #ifdef __cplusplus
 }
@@ -1247,7 +1242,7 @@ typedef struct pbwwr__result {
     pbwsf__quadruples corners, neighbors;
 } pbwwr__result;
 
-PBWWRAPDEF void pbw_wrap_free(pbw_wrap_result *wrap)
+PBWDEF void pbw_wrap_free(pbw_wrap_result *wrap)
 {
     if (wrap != NULL && wrap->memory != NULL) {
         pbwwr__result *r = (pbwwr__result *)wrap->memory;
@@ -1873,8 +1868,8 @@ static void pbwwr__set_options(pbwwr__work *w, const pbw_options *options)
     w->options.progress_user = w;
 }
 
-PBWWRAPDEF pbw_status pbw_wrap(const pbw_wrap_input *input, const pbw_wrap_options *how, const pbw_options *options,
-                               pbw_wrap_result *wrap, pbw_wrap_report *report)
+PBWDEF pbw_status pbw_wrap(const pbw_wrap_input *input, const pbw_wrap_options *how, const pbw_options *options,
+                           pbw_wrap_result *wrap, pbw_wrap_report *report)
 {
     pbw_wrap_options plain;
     pbw_wrap_report own;
@@ -1973,9 +1968,9 @@ static pbw_status pbwwr__farthest(pbwwr__work *w, const pbw_surface *of, const p
     return status;
 }
 
-PBWWRAPDEF pbw_status pbw_wrap_distance(const pbw_wrap_input *input, const double *points, size_t point_count,
-                                        const pbw_index *facets, size_t facet_count, const pbw_options *options,
-                                        double distance[2])
+PBWDEF pbw_status pbw_wrap_distance(const pbw_wrap_input *input, const double *points, size_t point_count,
+                                    const pbw_index *facets, size_t facet_count, const pbw_options *options,
+                                    double distance[2])
 {
     pbw_surface surface;
     pbwwr__work w;
