@@ -357,16 +357,16 @@ PBW__INLINE int pbwck__turn_on(const pbwck__tested *mesh, int dim, pbwck__turn *
 PBW__INLINE int pbwck__test_ridge(const pbwck__tested *mesh, int dim, size_t s, int i, const pbwck__turn *end,
                                   pbwck__finding *found)
 {
-    const pbw_index far = mesh->simplices[end->simplex * (size_t)(dim + 1) + (size_t)end->in];
+    const pbw_index apex = mesh->simplices[end->simplex * (size_t)(dim + 1) + (size_t)end->in];
     const double *x[4] = { NULL };
     int sign;
     if (end->simplex < s) {
         return 1;
     }
     pbwck__test_corners(mesh, dim, s, x);
-    sign = pbwck__test_side(mesh, dim, x, i, pbwck__test_record(mesh, dim, far), found->pool);
+    sign = pbwck__test_side(mesh, dim, x, i, pbwck__test_record(mesh, dim, apex), found->pool);
     return (sign >= 0 && sign != PBW__OPEN)
-        || pbwck__find_fault(found, sign < 0 ? PBWCK__FAULT_CONVEX : PBWCK__FAULT_OPEN, s, i, far);
+        || pbwck__find_fault(found, sign < 0 ? PBWCK__FAULT_CONVEX : PBWCK__FAULT_OPEN, s, i, apex);
 }
 
 /* A visibility walk to a point that is no vertex. */

@@ -71,8 +71,8 @@ static void warn_of(const job *j, const pbw_solid_report *r)
              "them", COUNT(r->crossings), r->crossing_place[0], r->crossing_place[1], r->crossing_place[2]);
     }
     if (r->closing_crossings > 0) {
-        warn(j, "the triangles that close holes meet the surface or each other: %zu pair%s of faces; --wrap closes holes "
-             "without", COUNT(r->closing_crossings));
+        warn(j, "the triangles that close holes meet the surface or each other: %zu pair%s of faces; --wrap closes "
+             "holes without", COUNT(r->closing_crossings));
     }
     if (r->acute_edges > 0) {
         warn(j, "%zu sharp edge%s of the surface below 60 degrees, the least %.2f: tetrahedra there are no better",
