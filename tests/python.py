@@ -1685,7 +1685,10 @@ def wraps():
     seeded = pbw.wrap(corners, faces, alpha=0.5, offset=0.02, seeds=[[9, 9, 9]])
     check(seeded.report["unused_seeds"] == 1 and seeded.report["offset"] == 0.02, seeded.report)
     solid = pbw.solid(corners, faces, size=0.6, wrap=True)
-    check(solid.report["after"]["least"] > 15 and solid.report["wrap"]["shell"] == 0, solid.report)
+    check(solid.report["after"]["least"] > 15 and solid.report["wrap"]["shell"] == 1, solid.report)
+    smaller = np.concatenate([corners, [[.7, .5, 0]]]), np.concatenate([faces, [[0, 6, 8], [6, 4, 8]]])
+    report = pbw.solid(*smaller, size=0.25, wrap=True).report          # an alpha of 0.125 does not close this hole
+    check(report["wrap"]["shell"] == 0 and 0.125 < report["wrap"]["alpha"] < 0.19, report)
     check((solid.neighbors < 0).sum() == len(solid.facets) and solid.points.max() < 1.2, solid)
     raises_text(ValueError, "size must be a number", pbw.solid, corners, faces, size=len, wrap=True)
     raises_text(pbw.Error, "nothing to wrap", pbw.wrap, corners, singles=[])
