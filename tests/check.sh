@@ -19,6 +19,15 @@ took() {    # took NAME: the processors' seconds of a check, with VERBOSE
     cat "$work/began" "$work/ended" | tr 'ms' '  ' | awk -v name="$1" '{ t += (NR > 2 ? 1 : -1) * (60 * ($1 + $3) + $2 + $4) }
         END { printf "%s: %.2f s of processors\n", name, t }'
 }
+says() {    # says STATUS TEXT ARGUMENT...: the exit status of $pbw, and a line of its output, in the file said, with the text
+    status=$1 text=$2
+    shift 2
+    "$pbw" "$@" < /dev/null > said 2>&1
+    code=$?
+    cat said
+    [ $code = "$status" ] && grep -qF -- "$text" said
+}
+has() { command -v "$1" > /dev/null; }                  # has PROGRAM
 in_full() { [ -n "$QUICK" ] || check "$@"; }            # what `make test` leaves to `make test-all`
 skip() { skipped=$((skipped + 1)); echo "skipped $1"; }
 finish() {  # the last line and the exit status that tests/run.sh expects

@@ -5,15 +5,6 @@ bin=$(cd "$1" && pwd)
 pbw=$bin/pbw work=$bin/fills
 . tests/check.sh
 cd "$work" || exit 2
-has() { command -v "$1" > /dev/null; }
-says() {    # says STATUS TEXT ARGUMENT...: the exit status, and a line of the output that has the text
-    status=$1 text=$2
-    shift 2
-    "$pbw" "$@" < /dev/null > said 2>&1
-    code=$?
-    cat said
-    [ $code = "$status" ] && grep -qF -- "$text" said
-}
 
 # Two regions with a wall between them, a tunnel through one, a cavity in the other; a line and a point in facets, a
 # point inside.  The volumes are 48 - 1/6 and 44; facets 1 and 2 have 23, 3 has 48, 4 32, 5 16, 6 2.366, 9 16.

@@ -6,15 +6,6 @@ pbw=$bin/pbw work=$bin/plane tests=$(pwd)/tests
 . tests/check.sh
 cd "$work" || exit 2
 
-says() {    # says STATUS TEXT ARGUMENT...
-    status=$1 text=$2
-    shift 2
-    "$pbw" plane "$@" < /dev/null > said 2>&1
-    code=$?
-    cat said
-    [ $code = "$status" ] && grep -qF -- "$text" said
-}
-
 printf '# a plate with a hole\n8 2 0 0\n1 0 0\n2 4 0\n3 4 3\n4 0 3\n5 1 1\n6 2 1\n7 2 2\n8 1 2\n' > plate.node
 printf '0 2 0 0\n8 1\n1 1 2 3\n2 2 3 3\n3 3 4 3\n4 4 1 3\n' > plate.poly
 printf '5 5 6 4\n6 6 7 4\n7 7 8 4\n8 8 5 4\n1\n1 1.5 1.5\n' >> plate.poly
@@ -26,32 +17,32 @@ printf '{"coordinates":[[1,2],[3' > wrong.geojson
 sed '$d' plate.poly > cut.poly
 cp plate.node cut.node
 
-check "a .poly file with its .node file" says 0 "8 triangles, 8 points, 8 edges of segments, 1 region" plate.poly
-check "a .geojson file" says 0 "8 triangles, 8 points, 8 edges of segments, 1 region" plate.geojson
+check "a .poly file with its .node file" says 0 "8 triangles, 8 points, 8 edges of segments, 1 region" plane plate.poly
+check "a .geojson file" says 0 "8 triangles, 8 points, 8 edges of segments, 1 region" plane plate.geojson
 printf '6 2 0 0\n1 0 0\n2 1 0\n3 2 0\n4 2 1\n5 1 1\n6 0 1\n7 0\n' > two.poly
 printf '1 1 2\n2 2 3\n3 3 4\n4 4 5\n5 5 6\n6 6 1\n7 2 5\n0\n2\n1 .5 .5 7 0\n2 1.5 .5 9 0\n' >> two.poly
 regions() { # of two.poly, in files
-    says 0 ", 2 regions" two.poly -o two.ele -o two.msh2 -o two.inp -o two.vtu -o two.mesh &&
+    says 0 ", 2 regions" plane two.poly -o two.ele -o two.msh2 -o two.inp -o two.vtu -o two.mesh &&
         awk 'NR > 1 { count[$NF]++ } END { exit count[7] != 2 || count[9] != 2 }' two.ele &&
         [ $(grep -c '^[0-9]* 2 2 7 7 ' two.msh2) = 2 ] && [ $(grep -c '^[0-9]* 2 2 9 9 ' two.msh2) = 2 ] &&
         grep -q 'ELSET=group_7' two.inp && grep -aq 'Name="region"' two.vtu && grep -q ' 9$' two.mesh
 }
 check "regions in files" regions
-check "points" says 0 " 50 points" --generate uniform 50 --dim 2
-check "angles" says 0 "0 triangles with smaller angles than wanted" plate.poly --angle 30 --area 0.1
-check "a formula" says 0 "new points" plate.poly --size '0.1+0.1*hypot(x-1,y)'
-check "crossings are refused" says 1 "segments 1 and 2 (lines 7 and 8) cross at (0.5, 0.5)" cross.poly
-check "crossings are split" says 0 "5 points" cross.poly --split-crossings --rule hull
-check "no formula" says 2 'this is no formula from "*x"' plate.poly --size '0.1+*x'
-check "too large an angle" says 2 "up to 34" plate.poly --angle 40
-check "a segment without its point" says 1 "wrong.poly:6: a segment from point 1 to point 4" wrong.poly
-check "a file that ends too early" says 1 "cut.poly:" cut.poly
-check "a bad .geojson file" says 1 "wrong.geojson:1:" wrong.geojson
-check "no such file" says 1 "No such file" none.poly
-check "how long a .poly file takes to read" says 0 "read  " plate.poly
-check "reading .poly keeps --memory-limit" says 1 "plate.poly: out of memory within --memory-limit 10" plate.poly \
+check "points" says 0 " 50 points" plane --generate uniform 50 --dim 2
+check "angles" says 0 "0 triangles with smaller angles than wanted" plane plate.poly --angle 30 --area 0.1
+check "a formula" says 0 "new points" plane plate.poly --size '0.1+0.1*hypot(x-1,y)'
+check "crossings are refused" says 1 "segments 1 and 2 (lines 7 and 8) cross at (0.5, 0.5)" plane cross.poly
+check "crossings are split" says 0 "5 points" plane cross.poly --split-crossings --rule hull
+check "no formula" says 2 'this is no formula from "*x"' plane plate.poly --size '0.1+*x'
+check "too large an angle" says 2 "up to 34" plane plate.poly --angle 40
+check "a segment without its point" says 1 "wrong.poly:6: a segment from point 1 to point 4" plane wrong.poly
+check "a file that ends too early" says 1 "cut.poly:" plane cut.poly
+check "a bad .geojson file" says 1 "wrong.geojson:1:" plane wrong.geojson
+check "no such file" says 1 "No such file" plane none.poly
+check "how long a .poly file takes to read" says 0 "read  " plane plate.poly
+check "reading .poly keeps --memory-limit" says 1 "plate.poly: out of memory within --memory-limit 10" plane plate.poly \
     --memory-limit 10
-check "the boundary is kept" says 0 " 8 edges of segments" plate.poly --area 0.5 --keep-segments
+check "the boundary is kept" says 0 " 8 edges of segments" plane plate.poly --area 0.5 --keep-segments
 check "what that prevents is told" grep "^0 new points, 0 more removed again; 0 triangles .*, 5 larger" said
 awk 'BEGIN { print "17 2 0 0"; for (i = 0; i < 16; i++) { s = int(i / 4); t = i % 4
         print i + 1, (s == 0 ? t : s == 1 ? 4 : s == 2 ? 4 - t : 0), (s == 0 ? 0 : s == 1 ? t : s == 2 ? 4 : 4 - t) }
@@ -60,30 +51,30 @@ awk 'BEGIN { print "17 2 0 0"; for (i = 0; i < 16; i++) { s = int(i / 4); t = i 
 kept() {    # kept EDGES OPTION...: new points inside, and so many edges of segments
     edges=$1
     shift
-    says 0 " new points, " square.poly --area 0.1 "$@" && grep " $edges edges of segments" said
+    says 0 " new points, " plane square.poly --area 0.1 "$@" && grep " $edges edges of segments" said
 }
 check "--keep-segments" kept 17 --keep-segments
 split() { ! kept 17 "$@" && grep ' new points' said; }
 check "--keep-boundary lets other segments be split" split --keep-boundary
 check "the boundary is split else" split
-bounded() { says 0 "; --steiner ended it" square.poly --area 0.01 --steiner 7 && grep '^7 new points' said; }
+bounded() { says 0 "; --steiner ended it" plane square.poly --area 0.01 --steiner 7 && grep '^7 new points' said; }
 check "--steiner" bounded
 cp square.poly tiny.poly
 printf '1\n1 0.9 0.9 0 1e-160\n' >> tiny.poly
 most() {    # most ARGUMENT...: refused before work
-    says 1 " triangles, more than --most allows; larger sizes or a smaller angle need fewer" "$@" && ! grep mesh said
+    says 1 " triangles, more than --most allows; larger sizes or a smaller angle need fewer" plane "$@" && ! grep mesh said
 }
 check "a tiny area of a region" most tiny.poly --angle 20
 check "a tiny area" most square.poly --area 1e-160
 check "a tiny size" most square.poly --size 1e-9
 check "a tiny size by a formula" most square.poly --size 1e-9+0*x
 check "--most" most square.poly --area 1e-3 --most 3000
-check "--most, more" says 0 " triangles, " square.poly --area 1e-3 --most 30000
+check "--most, more" says 0 " triangles, " plane square.poly --area 1e-3 --most 30000
 check "--most, met on the way" most square.poly --size "max(1e-9,abs(x-0.3)/100)" --most 3000
-check "--most and --steiner" says 0 "; --steiner ended it" square.poly --area 1e-160 --steiner 7
+check "--most and --steiner" says 0 "; --steiner ended it" plane square.poly --area 1e-160 --steiner 7
 printf '4 2 0 0\n1 0 0\n2 10 0\n3 5 0.2\n4 5 -0.2\n1 0\n1 1 2\n0\n' > across.poly
-check "not conforming" says 0 "2 triangles, 4 points" across.poly --rule hull
-check "--conforming" says 0 "4 triangles, 5 points" across.poly --rule hull --conforming
+check "not conforming" says 0 "2 triangles, 4 points" plane across.poly --rule hull
+check "--conforming" says 0 "4 triangles, 5 points" plane across.poly --rule hull --conforming
 counted() { "$pbw" plane plate.poly --histogram > said && awk '/^ *[0-9]*\.\./ { n += $2 } END { exit n != 8 }' said; }
 check "--histogram" counted
 
@@ -103,8 +94,8 @@ graded() {  # slower growth, more triangles: of a column, of a formula
     done
 }
 check "--gradation" graded
-check "no such column" says 1 "there is no column" sized.poly --size '#9'
-check "a column of a file that has none" says 1 ".geojson has none" plate.geojson --size depth
+check "no such column" says 1 "there is no column" plane sized.poly --size '#9'
+check "a column of a file that has none" says 1 ".geojson has none" plane plate.geojson --size depth
 remesh() {  # a mesh is refined, and made coarse again
     "$pbw" plane plate.poly --angle 30 --area 0.01 --quiet -o fine.vtu && "$pbw" plane fine.vtu > plain &&
         "$pbw" plane fine.vtu --area 0.001 > finer && "$pbw" plane fine.vtu --size 1 --coarsen > coarse &&
@@ -112,11 +103,11 @@ remesh() {  # a mesh is refined, and made coarse again
             END { exit !(n["finer"] > 4 * n["plain"] && 10 * n["coarse"] < n["plain"]) }' finer plain coarse
 }
 check "triangles of a mesh, finer and coarser" remesh
-check "--coarsen needs sizes" says 2 "needs --size" plate.poly --coarsen
+check "--coarsen needs sizes" says 2 "needs --size" plane plate.poly --coarsen
 for way in laplace lloyd odt; do
-    check "smoothing: $way" says 0 "smoothed: mean of least angles" plate.poly --area 0.05 --smooth $way --rounds 2
+    check "smoothing: $way" says 0 "smoothed: mean of least angles" plane plate.poly --area 0.05 --smooth $way --rounds 2
 done
-check "measures" says 0 "gamma            least" plate.poly --quality
+check "measures" says 0 "gamma            least" plane plate.poly --quality
 
 # What VTK and Gmsh say of the quality of random triangles is what pbw plane says.
 "$pbw" plane --generate uniform 2000 --dim 2 --quality -o q.vtu -o q.msh > quality
@@ -159,7 +150,7 @@ check "markers of segments are kept" markers
 } > carried.poly
 carried() { # every output has the numbers that came in
     for f in node poly vtu mesh csv edge ele; do set -- "$@" -o c.$f; done
-    says 0 "new points" carried.poly --size 0.7 --text "$@" &&
+    says 0 "new points" plane carried.poly --size 0.7 --text "$@" &&
         head -7 c.node && awk 'NR == 1 { n = $1; ok = $2 == 2 && $3 == 2 && $4 == 1 }
             NR > 1 { d = $4 - 10 * $2 - 100 * $3; ok = ok && d < 1e-9 && d > -1e-9 && NF == 6 && $1 == NR + 3
                 if (NR > 7 && $2 > 0 && $3 == 0) ok = ok && $6 == 7
@@ -179,48 +170,48 @@ carried() { # every output has the numbers that came in
 }
 check "attributes, markers and numbers go from a .poly to every output" carried
 again() {   # written and read again, with nothing changed
-    says 0 "2 regions" c.poly -o d.poly -o d.node && cmp c.node d.node && says 0 "2 regions" d.poly -o e.poly &&
+    says 0 "2 regions" plane c.poly -o d.poly -o d.node && cmp c.node d.node && says 0 "2 regions" plane d.poly -o e.poly &&
         cmp d.poly e.poly && grep -q '^6 3 0.5 8 -1$' e.poly && grep -q '^5 1 3 7 -1$' e.poly
 }
 check "a .poly file that was written says the same" again
 printf '5 2 1 0\n1 0 0 1\n2 4 0 2\n3 4 4 3\n4 0 4 4\n5 0 0 9\n0\n0\n' > twice.poly
 twice() {
-    says 0 "those of the first one count" twice.poly --rule hull -o w.node && [ "$(sed -n 6p w.node)" = "5 0 0 1 0" ]
+    says 0 "those of the first one count" plane twice.poly --rule hull -o w.node && [ "$(sed -n 6p w.node)" = "5 0 0 1 0" ]
 }
 check "points that coincide have the attribute of the first" twice
 mixed() {   # a crossing has the mean of what its segments have there
     printf '4 2 1 0\n1 0 0 0\n2 4 4 4\n3 4 0 10\n4 0 4 20\n2 0\n1 1 2\n2 3 4\n0\n' > mixed.poly
-    says 0 "5 points" mixed.poly --split-crossings --rule hull -o m.node && grep -q '^5 2 2 8.5 ' m.node
+    says 0 "5 points" plane mixed.poly --split-crossings --rule hull -o m.node && grep -q '^5 2 2 8.5 ' m.node
 }
 check "the attribute of a crossing" mixed
 printf '2 2 1 0\n1 0 0\n' > short.poly
-check "an attribute that is missing" says 1 "short.poly:2: 0 attributes, 1 announced" short.poly
+check "an attribute that is missing" says 1 "short.poly:2: 0 attributes, 1 announced" plane short.poly
 printf '3 2 0 1\n1 0 0 1.5\n' > half.poly
-check "a marker that is no whole number" says 1 "half.poly:2: the marker 1.5" half.poly
+check "a marker that is no whole number" says 1 "half.poly:2: the marker 1.5" plane half.poly
 printf '3 3 0 1\n1 0 0 1 1\n' > solid.poly
-check "points in space" says 1 "solid.poly:1: the dimension 2 is needed" solid.poly
+check "points in space" says 1 "solid.poly:1: the dimension 2 is needed" plane solid.poly
 printf '3 2 0 0\n1 0 nan\n2 1 0\n3 0 1\n0\n0\n' > nan.poly
-check "coordinates that are no numbers" says 1 "nan.poly:2: a point with its number, x and y" nan.poly
+check "coordinates that are no numbers" says 1 "nan.poly:2: a point with its number, x and y" plane nan.poly
 printf '3 2 0 0\n1 0 0 5\n2 1 0 5\n3 0 1 5\n0\n0\n' > more.poly
-check "numbers that are not announced" says 0 "numbers behind points" more.poly --rule hull
+check "numbers that are not announced" says 0 "numbers behind points" plane more.poly --rule hull
 gzip -kf plate.poly && cp plate.node plate2.node && gzip -kf plate.geojson
-check "packed files" says 0 "8 triangles, 8 points, 8 edges of segments, 1 region" plate.poly.gz
-check "packed GeoJSON" says 0 "8 triangles, 8 points, 8 edges of segments, 1 region" plate.geojson.gz
+check "packed files" says 0 "8 triangles, 8 points, 8 edges of segments, 1 region" plane plate.poly.gz
+check "packed GeoJSON" says 0 "8 triangles, 8 points, 8 edges of segments, 1 region" plane plate.geojson.gz
 check "what a format has no place for" says 0 \
-    "c.svg: the format .svg has no place for: markers of points, an attribute, an attribute" carried.poly -o c.svg
+    "c.svg: the format .svg has no place for: markers of points, an attribute, an attribute" plane carried.poly -o c.svg
 printf '5 2 0 0\n0 19 18\n1 0 0\n2 5 0\n3 5 5\n4 0 5\n4 0\n0 1 2\n1 2 3\n2 3 4\n3 4 1\n0\n' > far.poly
 orphans() { # one numbering in all files
-    says 0 "2 triangles, 4 points" far.poly --no-orphans -o f.node -o f.ele -o f.poly &&
+    says 0 "2 triangles, 4 points" plane far.poly --no-orphans -o f.node -o f.ele -o f.poly &&
         sed -n 2,5p f.node > one && sed -n 2,5p f.poly > two && cmp one two && ! grep 19 f.poly &&
         awk 'NR == 1 { n = $1 } NR > 1 { for (i = 2; i < 5; i++) if ($i > 3) exit 1 }' f.ele &&
         awk '$1 == 4 && NF == 2 { on = 1; next } on && NF == 4 { if ($2 > 3 || $3 > 3) exit 1 }' f.poly
 }
 check "--no-orphans numbers all files alike" orphans
 beside() {  # elements come with points, unless those are named, or would replace an input
-    rm -f g.node h.node && says 0 "g.node" plate.geojson -o g.ele && [ -s g.node ] &&
-        says 0 "k.node" plate.geojson -o h.ele -o k.node && [ ! -e h.node ] &&
-        cp g.node in.node && says 2 "which is an input and would be lost" in.node -o in.ele && cmp g.node in.node &&
-        says 2 "it is an input" plate.poly -o plate.node
+    rm -f g.node h.node && says 0 "g.node" plane plate.geojson -o g.ele && [ -s g.node ] &&
+        says 0 "k.node" plane plate.geojson -o h.ele -o k.node && [ ! -e h.node ] &&
+        cp g.node in.node && says 2 "which is an input and would be lost" plane in.node -o in.ele && cmp g.node in.node &&
+        says 2 "it is an input" plane plate.poly -o plate.node
 }
 check "elements are written with their points" beside
 
@@ -230,13 +221,13 @@ json() {    # json TRIANGLES TEXT GEOJSON OPTION...: so many triangles, and a pi
     triangles=$1 text=$2
     printf '%s' "$3" > j.geojson
     shift 3
-    says 0 "$text" j.geojson "$@" && grep -q "^$triangles triangle" said
+    says 0 "$text" plane j.geojson "$@" && grep -q "^$triangles triangle" said
 }
 refused() { # refused TEXT GEOJSON OPTION...: and no output
     text=$1
     printf '%s' "$2" > j.geojson
     shift 2
-    rm -f no.ele no.node && says 1 "$text" j.geojson -o no.ele "$@" && [ ! -e no.ele ] && [ ! -e no.node ]
+    rm -f no.ele no.node && says 1 "$text" plane j.geojson -o no.ele "$@" && [ ! -e no.ele ] && [ ! -e no.node ]
 }
 A='[[0,0],[4,0],[4,4],[0,4],[0,0]]' B='[[4,0],[8,0],[8,4],[4,4],[4,0]]' IN='[[1,1],[2,1],[2,2],[1,2],[1,1]]'
 poly() { printf '{"type":"Polygon","coordinates":[%s]}' "$1"; }
@@ -314,7 +305,7 @@ regions() { # regions TAGS OPTION...: the tags of two polygons' triangles, as .p
     all "$(feature '{"n":12,"name":"wood \u00e4","mix":"a"}' "$(poly "$A")"),$(
         feature '{"n":-3,"name":"lake","mix":5}' "$(poly "$B")"),$(
         feature '{"x":1}' '{"type":"Point","coordinates":[1,2]}')" > r.geojson
-    says 0 "2 regions" r.geojson "$@" -o r.poly && sed -n '/^2$/,$p' r.poly && tail -2 r.poly | awk '{ print $4 }' |
+    says 0 "2 regions" plane r.geojson "$@" -o r.poly && sed -n '/^2$/,$p' r.poly && tail -2 r.poly | awk '{ print $4 }' |
         sort -n | tr '\n' ' ' | grep -qx -- "$tags "
 }
 check "a feature is a region" regions "1 2"
@@ -322,19 +313,19 @@ check "--region-by a number" regions "-3 12" --region-by n
 check "--region-by a name" regions "1 2" --region-by name
 check "--region-by both" regions "5 6" --region-by mix
 check "a feature without that property" grep 'without the property "mix"' said
-check "no such property" says 1 'no feature has a property "none"; the first has "n", "name", "mix"' r.geojson \
+check "no such property" says 1 'no feature has a property "none"; the first has "n", "name", "mix"' plane r.geojson \
     --region-by none
 printf '[[0,0],[1,0],[0,1]]' > points.json
 printf '{ "type" : "Feature", "properties": {"n": 7}, "geometry": {"type":"Polygon","coordinates":[[[0,0],[1,0],[0,1],[0,0]]]}}' \
     > feature.json
 gzip -c feature.json > feature2.geojson.gz
 for file in feature.json feature2.geojson.gz; do
-    check "GeoJSON in $file" says 0 "1 polygon, 1 feature" $file --region-by n -o feature.msh2
+    check "GeoJSON in $file" says 0 "1 polygon, 1 feature" plane $file --region-by n -o feature.msh2
     check "has its regions" grep -q '^1 2 2 7 \|^[0-9]* 2 2 7 7 ' feature.msh2
 done
-check "JSON without features has no regions" says 1 "points.json: --region-by needs GeoJSON" points.json --region-by n -o n.msh
-check "--region-by is for GeoJSON" says 2 "it needs an input .geojson" plate.poly --region-by n
-hole() { says 0 "8 triangles" plate.geojson -o again.poly && says 0 "8 triangles" again.poly; }
+check "JSON without features has no regions" says 1 "points.json: --region-by needs GeoJSON" plane points.json --region-by n -o n.msh
+check "--region-by is for GeoJSON" says 2 "it needs an input .geojson" plane plate.poly --region-by n
+hole() { says 0 "8 triangles" plane plate.geojson -o again.poly && says 0 "8 triangles" plane again.poly; }
 check "a hole of GeoJSON is one in .poly" hole
 
 # ---- heights
@@ -342,7 +333,7 @@ check "a hole of GeoJSON is one in .poly" hole
 printf '{"type":"Polygon","coordinates":[[[0,0,1],[4,0,5],[4,4,13],[0,4,9],[0,0,1]]]}' > slope.geojson
 heights() { # z = 1 + x + 2 y, at new points too
     for f in obj ply stl off vtu msh msh2 mesh csv inp poly node; do set -- "$@" -o s.$f; done
-    says 0 "new points" slope.geojson --size 1 --text "$@" -o s.su2 -o s.html && tail -1 said &&
+    says 0 "new points" plane slope.geojson --size 1 --text "$@" -o s.su2 -o s.html && tail -1 said &&
         awk '/^v / { d = $4 - 1 - $2 - 2 * $3; n++; if (d > 1e-9 || d < -1e-9) exit 1 } END { exit n < 9 }' s.obj &&
         awk 'NR > 1 { d = $4 - 1 - $2 - 2 * $3; if (d > 1e-9 || d < -1e-9) exit 1 }' s.node &&
         for f in ply off vtu msh msh2 mesh csv; do
@@ -356,7 +347,7 @@ check "heights of some positions" json 2 "heights are left out: 2 of 5 positions
     "$(poly '[[0,0,1],[4,0],[4,4],[0,4],[0,0,1]]')"
 kept() {    # a column of a table, at new points too
     printf 'x,y,depth,name\n0,0,0,a\n4,0,4,b\n4,4,8,c\n0,4,4,d\n' > kept.csv &&
-        says 0 "new points" kept.csv --dim 2 --columns x,y --keep depth --size 1 -o kept2.csv &&
+        says 0 "new points" plane kept.csv --dim 2 --columns x,y --keep depth --size 1 -o kept2.csv &&
         [ "$(sed 1q kept2.csv)" = x,y,depth ] &&
         awk -F, 'NR > 1 { d = $3 - $1 - $2; if (d > 1e-9 || d < -1e-9) exit 1 } END { exit NR < 12 }' kept2.csv
 }
@@ -453,7 +444,7 @@ in_full "regions and groups stay: --only-smooth" all_stay improve --smooth lloyd
 } > fields.stl
 printf 'v 0 0 2\nv 1 0 2\nv 2 0 2\nv 2 1 2\nv 1 1 2\nv 0 1 2\ng one\nf 1 2 5 6\ng two\nf 2 3 4 5\n' > parts.obj
 parts() {   # groups of models are regions
-    says 0 " 2 regions" fields.stl -o p.msh2 && groups_of p.msh2 > got && cat got && grep '^2 1 "left" 6$' got &&
+    says 0 " 2 regions" plane fields.stl -o p.msh2 && groups_of p.msh2 > got && cat got && grep '^2 1 "left" 6$' got &&
         grep '^2 2 "right" 6$' got && grep '^1 4 "interface" 2$' got && "$pbw" improve parts.obj -o p.vtu --quiet &&
         groups_of p.vtu > got && cat got && grep '^2 1 "one" 1$' got && grep '^2 2 "two" 1$' got
 }
@@ -464,7 +455,7 @@ check "nor in pbw plane" well plane --smooth lloyd
 check "nor do they go" well plane --size 3 --coarsen
 numbers() { # in .mesh, which has room for them
     sed '/^Triangles/,$ { s/ 6$/ -7/; s/ 8$/ 2000000000/; }' fields.mesh > far.mesh &&
-        says 0 "2 regions" far.mesh -o far2.mesh && "$pbw" improve far2.mesh -o far3.mesh --quiet &&
+        says 0 "2 regions" plane far.mesh -o far2.mesh && "$pbw" improve far2.mesh -o far3.mesh --quiet &&
         awk '/^Triangles/ { getline; left = $1; next } left > 0 { left--; n[$4]++ }
             END { exit !(n["-7"] == 12 && n[2000000000] == 12) }' far3.mesh
 }
@@ -492,15 +483,15 @@ flat() {    # z of all points
 }
 check "a mesh of one z stays there" flat
 in_poly() { # regions, markers and holes
-    says 0 "2 regions" fields.msh --size .5 -o f.poly && says 0 "2 regions" f.poly -o f.msh2 &&
+    says 0 "2 regions" plane fields.msh --size .5 -o f.poly && says 0 "2 regions" plane f.poly -o f.msh2 &&
         groups_of f.msh2 > got && grep '^1 4  6$' got && grep '^1 5  1$' got && grep '^2 6  6$' got && grep '^2 8  6$' got &&
         grep '^0 12  1$' got && "$pbw" plane plate.poly --quiet -o holed.vtu &&
         "$pbw" plane holed.vtu -o holed2.poly --quiet &&
-        says 0 "8 triangles, 8 points, 8 edges of segments, 1 region" holed2.poly
+        says 0 "8 triangles, 8 points, 8 edges of segments, 1 region" plane holed2.poly
 }
 check "regions, markers and holes of a mesh go to .poly" in_poly
 rule() {
-    says 0 "the regions of triangles are left out" fields.msh --rule hull -o r.msh2 && groups_of r.msh2 > got &&
+    says 0 "the regions of triangles are left out" plane fields.msh --rule hull -o r.msh2 && groups_of r.msh2 > got &&
         cat got && grep -q '^1 5 "crack" 1$' got && ! grep '^2' got
 }
 check "--rule takes the points and segments of a mesh" rule
@@ -508,7 +499,7 @@ outside() { # a segment of a group that no triangle has
     awk '/^.Nodes/ { print; getline; print 23; next } /^.EndNodes/ { print "22 8 0 0\n23 9 0 0" }
         /^.Elements/ { print; getline; print $1 + 1; next } /^.EndElements/ { print "34 1 2 4 1 22 23" } 1' \
         fields.msh > lost.msh
-    says 0 "1 of 8 segments are outside of the domain" lost.msh -o l.msh2 && groups_of l.msh2 > got &&
+    says 0 "1 of 8 segments are outside of the domain" plane lost.msh -o l.msh2 && groups_of l.msh2 > got &&
         diff groups got && "$pbw" improve lost.msh 2>&1 | grep "1 of 8 segments are outside"
 }
 check "a segment outside of the triangles" outside
@@ -516,12 +507,12 @@ over() {    # a triangle on others: its edge from (1, 0) to (6, 2) crosses the b
     awk '/^.Elements/ { print; getline; print $1 + 1; next } /^.EndElements/ { print "34 2 2 8 1 2 21 15" } 1' \
         fields.msh > over.msh
     "$pbw" improve over.msh
-    [ $? = 1 ] && says 1 "over.msh: borders of triangles, or segments, cross at (3, 0.8)" over.msh
+    [ $? = 1 ] && says 1 "over.msh: borders of triangles, or segments, cross at (3, 0.8)" plane over.msh
 }
 check "triangles that lie on each other" over
 lines() {   # a mesh of lines is a domain of segments, with their groups
     awk '/^.Elements/ { print; getline; print 9; next } $2 == 2 && NF == 8 { next } 1' fields.msh > lines.msh
-    says 0 " 17 edges of segments" lines.msh -o l.msh2 --rule hull && groups_of l.msh2 | grep '^1 5 "crack" 1$'
+    says 0 " 17 edges of segments" plane lines.msh -o l.msh2 --rule hull && groups_of l.msh2 | grep '^1 5 "crack" 1$'
 }
 check "segments of a mesh without triangles" lines
 if command -v gmsh > /dev/null; then

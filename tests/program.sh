@@ -6,14 +6,6 @@ pbw=$bin/pbw work=$bin/program
 . tests/check.sh
 cd "$work" || exit 2
 
-says() {    # says STATUS TEXT ARGUMENT...: the exit status, and a line of the output that has the text
-    status=$1 text=$2
-    shift 2
-    "$pbw" "$@" < /dev/null > said 2>&1
-    code=$?
-    cat said
-    [ $code = "$status" ] && grep -qF -- "$text" said
-}
 same_mesh() {   # same_mesh FILE FILE [OPTION...]: the same triangulation
     a=$1 b=$2
     shift 2
@@ -390,8 +382,11 @@ check "improve --target" target --target 32 -o high.vtu
 check "its angles" grep '^after: *dihedral angles 3[2-9]' said
 brief() { target --target 40 --seconds 1e-9 && grep '; 0 passes$' said; }
 check "improve --seconds" brief
-after() { target "$@" && sed '1,/^before/d' said; }
-features() { after --target 40 > one && after --target 40 --feature-angle 100 > two && ! cmp one two; }
+features() {    # a file without edges: they are found by their angles, and slide where they are not
+    "$pbw" solid cube.obj --size 0.3 --target 15 --quiet -o bare.node -o bare.ele &&
+        says 0 "volume 1, before 1" improve bare.ele --target 40 && "$pbw" improve bare.ele --target 40 \
+            --feature-angle 100 > said && grep "^volume 0.9" said
+}
 in_full "improve --feature-angle" features
 check "improve --size" says 0 "edges split for sizes: " improve low.msh --size 0.15
 errors() {  # as many tetrahedra as --count says, about, where all errors are equal
@@ -418,6 +413,11 @@ check "fill --target keeps the faces" says 0 ", 116 facets on the surface" fill 
 check "fill --size" says 0 "too slim, at faces" fill small.obj --size 0.3
 check "fill --size: a formula" says 0 "too slim, at faces" fill small.obj --size '0.2+0.3*hypot(x,y)'
 check "fill --ratio" says 0 ", 116 facets on the surface" fill small.obj --ratio 1.5 --volume 0.01
+fill_count() { "$pbw" fill small.obj --ratio 2 "$@" | sed -n "s/ tetrahedra in .*//p"; }
+finer() { [ "$(fill_count --gradation 0.02)" -gt "$(fill_count)" ]; }
+check "fill --gradation" finer
+check "fill --gradation without use" says 1 "without --size" fill small.obj --size 0.3 --gradation 0.2
+check "fill --gradation alone" says 1 "is for --ratio" fill small.obj --gradation 0.2
 check "fill --volumes without regions" says 1 "small.obj: --volumes: the file has no regions" fill small.obj --volumes
 check "fill: a cavity" says 0 " in 1 region, 16 points" fill both.obj --conforming
 check "fill --nested" says 0 " in 2 regions, 16 points" fill both.obj --nested --conforming

@@ -3,7 +3,6 @@
 # VTK, FreeFem++, CalculiX, each where it is installed.  The meshes are irregular ones of the unit square and cube.
 bin=$1 work=$1/programs
 . tests/check.sh
-has() { command -v "$1" > /dev/null; }
 fails() { ! "$@"; }
 
 points() {  # points DIM N: the points of a grid of N cells a side, those inside moved

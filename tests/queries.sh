@@ -6,14 +6,6 @@ pbw=$bin/pbw work=$bin/queries
 . tests/check.sh
 cd "$work" || exit 2
 
-says() {    # says STATUS TEXT ARGUMENT...: the exit status, and a line of the output that has the text
-    status=$1 text=$2
-    shift 2
-    "$pbw" "$@" < /dev/null > said 2>&1
-    code=$?
-    cat said
-    [ $code = "$status" ] && grep -qF -- "$text" said
-}
 early() { says "$@" && [ "$(wc -l < said)" = 1 ]; }
 lines() { [ "$(grep -c "$1" "$2")" = "$3" ] || { grep -c "$1" "$2"; return 1; }; }
 

@@ -43,14 +43,6 @@ done
 ./points 0 3 3000 4 > weighted.bin
 ./points 0 3 100000 0 > long.bin
 
-says() {    # says STATUS TEXT ARGUMENT...: the exit status, and a line of the output that has the text
-    status=$1 text=$2
-    shift 2
-    "$pbw" "$@" < /dev/null > said 2>&1
-    code=$?
-    cat said
-    [ $code = "$status" ] && grep -qF -- "$text" said
-}
 hash_of() { "$pbw" hash --quiet "$@"; }
 # The hash by pbw hash of a .bin file in one tile, which is one triangulation; and in some tiles.
 equal() {   # equal TILES INPUT [OPTION...]
