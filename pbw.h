@@ -8328,7 +8328,7 @@ static void pbw__emit_pass3(void *arg, int task)
     pbw__emission *emission = (pbw__emission *)arg;
     const size_t size = (size_t)1 << emission->chunk_bits, corners = (size_t)emission->dim + 1;
     const size_t chunks = (emission->slot_count + size - 1) / size, simplices = emission->simplex_count;
-    /* The first `turned` chunks are read backwards; wide links of a position lie in half as many slots. */
+    /* The first `turned` chunks are read backwards.  With wide links none are: simplices fill half of their room. */
     const int ahead = simplices > emission->store->region_slots && sizeof(pbw__link) == sizeof(pbw_index);
     const size_t turned = ahead ? (simplices + size - 1) / size : 0;
     size_t next, done = 0;

@@ -35,8 +35,9 @@ static int same(const void *there, const void *here, size_t bytes)
     return equal;
 }
 
-/* Whether all numbers are 0 or of a size that pbw_cells_of takes.  Beyond, areas may be no numbers, of which the bits
-   vary, and products underflow, whose errors processors with and without fused operations find differently. */
+/* Whether all numbers are 0 or of a size that pbw_cells_of takes.  Beyond, areas may be no numbers, and the bits
+   of these vary.  Products may underflow; their errors then differ between processors with and without fused
+   operations. */
 static int is_in_range(const double *numbers, size_t count)
 {
     size_t i;

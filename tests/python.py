@@ -1510,6 +1510,7 @@ def fill_keeps_faces():
     check("open" in str(raises(pbw.Error, pbw.fill, cube, hull[:-1])))
     check("cross" in str(raises(pbw.Error, pbw.fill, np.vstack([cube, cube + 0.5]), np.vstack([hull, hull + 8]))))
     raises(ValueError, pbw.fill, cube, hull, seeds=[[.5, .5, .5]], seed_regions=[1, 2])
+    raises_text(ValueError, "gradation is for ratio", pbw.fill, cube, hull, size=0.3, gradation=0.2)
     made = pbw.fill(two, np.vstack([hull, hull + 8]), seeds=[[.5, .5, .25], [1.5, .5, .25]],
                     seed_regions=["steel", "air"], volume={"air": 0.002})
     sizes = {name: volumes(made)[made.regions == name] for name in ("air", "steel")}

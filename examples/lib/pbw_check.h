@@ -251,8 +251,8 @@ PBW__INLINE int pbwck__facets_match(const pbw_index *v, int i, const pbw_index *
     return odd && found == dim;
 }
 
-/* One facet of simplex s, whose corners are known to be right; each facet between two simplices is compared and
-   tested once, from the higher of the two. */
+/* Tests facet i of simplex s.  The ids of the corners of s are right.  A facet between two simplices is compared and
+   tested once, from the one of higher number. */
 PBW__INLINE int pbwck__test_facet(const pbwck__tested *mesh, int dim, size_t s, int i, const double *const *x,
                                   pbwck__finding *found)
 {

@@ -116,7 +116,8 @@ typedef struct pbw_fill_options {          /* NULL or all zero = best defaults *
                                               edges of the surface */
     double (*size_at)(void *user, const double place[3]);      /* the same about a place; 0 = any; NULL */
     void *size_user;
-    double growth;                         /* of that length from the surface's edges, per distance; 0 = 0.3 */
+    double growth;                         /* of that length from the surface's edges, per distance, without size and
+                                              size_at; 0 = 0.3 */
     double ratio;                          /* of a tetrahedron's circumscribed radius by its shortest edge, at most;
                                               0 = 2 */
     double volume;                         /* of a tetrahedron, at most; 0 = any */
@@ -2945,8 +2946,8 @@ static double pbwfill__bound_of(const pbwfill__work *w, pbw_index t)
     return pbwfill__in_units(w, cbrt(sqrt(72) * volume));
 }
 
-/* What is wrong with tetrahedron t: how far from others a new point must be, 0 if nothing is; the center of its
-   sphere, its middle; whether it is too large, 2: for what was asked for. */
+/* Returns how far from other points a point for tetrahedron t must be; 0 if t needs none.  Sets the center of its
+   sphere, its middle, and *large: 0, it is not too large; 1, it is; 2, it is larger than the caller asked for. */
 static double pbwfill__is_wanting(const pbwfill__inside *in, pbw_index t, double center[3], double middle[3],
                                   int *large)
 {

@@ -666,7 +666,7 @@ PBWDEF int pbw_tets_quality(const pbw_tets *mesh, const pbw_options *options, pb
 enum {
     PBWIM__MOST = 192,                     /* tetrahedra that one operation replaces; larger stars are left alone */
     PBWIM__ZONE = 512,                     /* tetrahedra that improving one may read beside threads; a power of 2 */
-    PBWIM__ZONE_SHIFT = 22,                /* 32 less the bits of twice as many */
+    PBWIM__ZONE_SHIFT = 22,                /* makes of a hash of 32 bits an index of a table of 2 ZONE */
     PBWIM__RING = 10,                      /* corners of a ring */
     PBWIM__SLICE = 4096,                   /* tetrahedra or points of one range of a loop on all threads */
     PBWIM__OPEN = 8 * PBWIM__MOST,          /* facets of that, at most */
@@ -2449,7 +2449,7 @@ static void pbwim__sort_sides(pbwim__side *side, size_t count)
     }
 }
 
-/* Links the tetrahedra at the facets whose lowest corners are from..to-1. */
+/* Links the tetrahedra at each facet of which the lowest corner is one of from .. to - 1. */
 static pbw_status pbwim__link_sides(void *arg, size_t from, size_t to)
 {
     pbwim__linking *k = (pbwim__linking *)arg;

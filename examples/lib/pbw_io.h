@@ -1687,8 +1687,8 @@ static void pbwio__point(pbwio__reader *r)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   >>elements     Elements and their groups.
-   In: corners of elements, tags and names of groups.  Out: the elements and groups of the cloud.
+   >>elements     Elements and their groups; the end of a cloud.
+   In: corners of elements, tags and names of groups.  Out: the elements and groups of the cloud; a cloud without them.
    Holds: an array of groups, where there is one, has as much room as the array of its elements.
    ------------------------------------------------------------------------------------------------------ */
 
@@ -1900,6 +1900,60 @@ static void pbwio__add_corner(pbwio__reader *r, double id, long long point_count
         pbwio__record_polygon(r, (size_t)k + 1);
     }
     r->fan[k > 0] = (size_t)id;
+}
+
+/* Resizes all arrays of a cloud to what they hold, or frees them; columns and groups keep their room.  An array that
+   cannot shrink is fine as it is. */
+static void pbwio__trim_arrays(pbwio_cloud *cloud, int free_all)
+{
+    const size_t n = cloud->count * sizeof(double), id = sizeof(pbw_index);
+    const struct { void *array; size_t bytes; } arrays[] = {
+        { &cloud->points, n * (size_t)cloud->dim }, { &cloud->segments, 2 * id * cloud->segment_count },
+        { &cloud->triangles, 3 * id * cloud->triangle_count },
+        { &cloud->tetrahedra, 4 * id * cloud->tetrahedron_count },
+        { &cloud->point_groups, id * cloud->count }, { &cloud->segment_groups, id * cloud->segment_count },
+        { &cloud->triangle_groups, id * cloud->triangle_count },
+        { &cloud->tetrahedron_groups, id * cloud->tetrahedron_count }, { &cloud->weights, n }, { &cloud->heights, n },
+        { &cloud->groups, cloud->capacity[PBWIO__OF_GROUPS] },
+        { &cloud->columns, cloud->capacity[PBWIO__OF_COLUMNS] },
+        { &cloud->seeds, cloud->seed_count * sizeof(pbwio_seed) }
+    };
+    size_t i;
+    for (i = 0; i < sizeof arrays / sizeof arrays[0]; i++) {
+        void *block;
+        memcpy(&block, arrays[i].array, sizeof block);
+        if (block != NULL && (free_all || arrays[i].bytes == 0)) {
+            (void)pbw_memory_resize(&cloud->memory, block, cloud->capacity[i], 0, 1);
+            block = NULL;
+            memcpy(arrays[i].array, &block, sizeof block);
+            cloud->capacity[i] = 0;
+        } else if (block != NULL) {
+            (void)pbw_memory_fit(&cloud->memory, arrays[i].array, cloud->capacity + i, arrays[i].bytes, 1);
+        }
+    }
+}
+
+PBWDEF void pbwio_free(pbwio_cloud *cloud)
+{
+    size_t i;
+    if (cloud != NULL) {
+        pbw_memory *memory = &cloud->memory;
+        if (memory->resize == NULL) {                                /* it was made otherwise than by reading */
+            pbw_memory_start(memory, NULL);
+        }
+        for (i = 0; i < cloud->group_count; i++) {
+            char *name = cloud->groups[i].name;
+            (void)pbw_memory_resize(memory, name, name != NULL ? strlen(name) + 1 : 0, 0, 1);
+        }
+        for (i = 0; i < cloud->column_count; i++) {
+            char *name = cloud->columns[i].name;
+            double *values = cloud->columns[i].values;
+            (void)pbw_memory_resize(memory, name, name != NULL ? strlen(name) + 1 : 0, 0, 1);
+            (void)pbw_memory_resize(memory, values, values != NULL ? cloud->capacity[PBWIO__OF_VALUES] : 0, 0, 1);
+        }
+        pbwio__trim_arrays(cloud, 1);
+        memset(cloud, 0, sizeof *cloud);
+    }
 }
 
 /* ------------------------------------------------------------------------------------------------------
@@ -4303,7 +4357,7 @@ static void pbwio__read_poly(pbwio__reader *r)
         pbwio__row_line(r);
     }
     if (r->status == PBWIO_OK && dim == 3 && r->cloud->dim == 2) {
-        pbwio__fail(r, PBWIO_ERROR_ARGUMENT, "facets in space, and 2 dimensions are asked for");
+        pbwio__fail(r, PBWIO_ERROR_ARGUMENT, "the facets are in space; read the file with dim 0 or 3");
     }
     if (r->status == PBWIO_OK && r->cloud->dim == 3) {
         pbwio__read_poly_facets(r);
@@ -8699,60 +8753,6 @@ static pbwio_format pbwio__sniff(pbwio__reader r)
              : word.end - word.begin >= 3 && pbwio__same(word.end - 3, 3, "OFF", 3) ? PBWIO_OFF : PBWIO_XYZ;
     }
     return PBWIO_XYZ;
-}
-
-/* Resizes all arrays of a cloud to what they hold, or frees them; columns and groups keep their room.  An array that
-   cannot shrink is fine as it is. */
-static void pbwio__trim_arrays(pbwio_cloud *cloud, int free_all)
-{
-    const size_t n = cloud->count * sizeof(double), id = sizeof(pbw_index);
-    const struct { void *array; size_t bytes; } arrays[] = {
-        { &cloud->points, n * (size_t)cloud->dim }, { &cloud->segments, 2 * id * cloud->segment_count },
-        { &cloud->triangles, 3 * id * cloud->triangle_count },
-        { &cloud->tetrahedra, 4 * id * cloud->tetrahedron_count },
-        { &cloud->point_groups, id * cloud->count }, { &cloud->segment_groups, id * cloud->segment_count },
-        { &cloud->triangle_groups, id * cloud->triangle_count },
-        { &cloud->tetrahedron_groups, id * cloud->tetrahedron_count }, { &cloud->weights, n }, { &cloud->heights, n },
-        { &cloud->groups, cloud->capacity[PBWIO__OF_GROUPS] },
-        { &cloud->columns, cloud->capacity[PBWIO__OF_COLUMNS] },
-        { &cloud->seeds, cloud->seed_count * sizeof(pbwio_seed) }
-    };
-    size_t i;
-    for (i = 0; i < sizeof arrays / sizeof arrays[0]; i++) {
-        void *block;
-        memcpy(&block, arrays[i].array, sizeof block);
-        if (block != NULL && (free_all || arrays[i].bytes == 0)) {
-            (void)pbw_memory_resize(&cloud->memory, block, cloud->capacity[i], 0, 1);
-            block = NULL;
-            memcpy(arrays[i].array, &block, sizeof block);
-            cloud->capacity[i] = 0;
-        } else if (block != NULL) {
-            (void)pbw_memory_fit(&cloud->memory, arrays[i].array, cloud->capacity + i, arrays[i].bytes, 1);
-        }
-    }
-}
-
-PBWDEF void pbwio_free(pbwio_cloud *cloud)
-{
-    size_t i;
-    if (cloud != NULL) {
-        pbw_memory *memory = &cloud->memory;
-        if (memory->resize == NULL) {                                /* it was made otherwise than by reading */
-            pbw_memory_start(memory, NULL);
-        }
-        for (i = 0; i < cloud->group_count; i++) {
-            char *name = cloud->groups[i].name;
-            (void)pbw_memory_resize(memory, name, name != NULL ? strlen(name) + 1 : 0, 0, 1);
-        }
-        for (i = 0; i < cloud->column_count; i++) {
-            char *name = cloud->columns[i].name;
-            double *values = cloud->columns[i].values;
-            (void)pbw_memory_resize(memory, name, name != NULL ? strlen(name) + 1 : 0, 0, 1);
-            (void)pbw_memory_resize(memory, values, values != NULL ? cloud->capacity[PBWIO__OF_VALUES] : 0, 0, 1);
-        }
-        pbwio__trim_arrays(cloud, 1);
-        memset(cloud, 0, sizeof *cloud);
-    }
 }
 
 /* What is wrong with content, whatever its format; NULL: nothing. */

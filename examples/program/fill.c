@@ -24,7 +24,7 @@ static const option fill_options[] = {
     { NULL, NULL, NULL, SWITCH, 0, 0, NULL }
 };
 
-/* Whether points are asked for that faces do not need. */
+/* Whether the caller asks for points inside. */
 static int adds_points(const job *j)
 {
     return is_given(j, "--size") || is_given(j, "--ratio") || is_given(j, "--volume") || is_given(j, "--volumes");
@@ -259,6 +259,9 @@ static int set_inside(job *j, const seeding *seeds, sizing *sizes, pbw_fill_opti
     how->size = of_size.size;
     how->size_at = of_size.size_at;
     how->size_user = of_size.size_user;
+    if (is_given(j, "--gradation") && (is_given(j, "--size") || !adds_points(j))) {
+        return fail(j, "--gradation is for --ratio, --volume or --volumes without --size");
+    }
     how->growth = number_of(j, "--gradation", 0);
     how->ratio = number_of(j, "--ratio", 0);
     how->volume = number_of(j, "--volume", 0);

@@ -377,7 +377,7 @@ def solid(vertices, faces, size=0, target=30, feature_angle=40, rounds=0, patche
     wrap=True fills a wrap of the faces instead, which may have holes, crossings and gaps: size, a number, target and
     most are as else, the other arguments have no effect.  Sharp edges are rounded off by about half the size; holes
     are closed up to that, and up to 1.5 times that where it closes the model; sheets become plates, 1/4 of the size
-    thick.  The report is that of improve, and "wrap" in it that of pbw.wrap.
+    thick.  Points are not pulled onto a closed model, as `pbw solid --wrap` does it.  The report is that of improve, and "wrap" in it that of pbw.wrap.
 
     Returns a Tets.  Its regions are numbers of shells, its patches those given, else numbers of the parts between
     sharp edges, and -1 or "" where a hole is closed; parts are the latter numbers in any case.  Its report has
@@ -495,6 +495,8 @@ def fill(vertices, faces, numbers=None, segments=None, seeds=None, seed_regions=
     how.improve = _ImproveOptions(target or 0, seconds)
     for name, value in ("gradation", gradation), ("ratio", ratio):
         _check_number(name, value, 0, np.finfo(float).max)
+    if gradation and (callable(size) or size or not (ratio or volume)):
+        raise ValueError("gradation is for ratio or volume without size")
     how.growth, how.ratio, thrown = gradation, ratio, []
     if callable(size):
         keep = _at_points(size, thrown)
