@@ -159,7 +159,8 @@ typedef struct pbw_fill_report {
     size_t inside_points;                  /* of these, for sizes and shapes, before improvement */
     size_t too_large, too_slim;            /* tetrahedra that are so all the same, before improvement */
     size_t regions;                        /* that are kept */
-    size_t flat_tets;                      /* without volume, as places between grid points are no doubles */
+    size_t flat_tets;                      /* without a volume above 0: no doubles between their points, or no place
+                                              for these where all tetrahedra around have one */
     pbw_improve_report improve;            /* dihedral angles before and after; zeros without improvement */
     pbw_quality inner;                     /* those of tetrahedra without a point of the surface, after */
     double seconds[10];                    /* of processor time: grid, triangulate, edges, crossings, segments,

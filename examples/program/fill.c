@@ -82,7 +82,7 @@ static void report_on(const job *j, const pbw_filled *f, const pbw_fill_report *
              (unsigned long)r->faults[0][0]);
     }
     if (r->flat_tets > 0) {
-        warn(j, "%zu %s no volume, as the coordinates are too large for points between them", r->flat_tets,
+        warn(j, "%zu %s no volume above 0: coordinates are too near to each other for their size", r->flat_tets,
              r->flat_tets == 1 ? "tetrahedron has" : "tetrahedra have");
     }
 }
