@@ -781,6 +781,99 @@ static void test_sheets(void)
     }
 }
 
+/* A prism over a circle of `count` points: one cap is a fan, the other a zigzag. */
+static void make_prism(size_t count)
+{
+    size_t i, low = 0, high = count - 1;
+    big.points = big.triangles = 0;
+    for (i = 0; i < 2 * count; i++) {
+        const double angle = 2 * 3.141592653589793 * (double)(i / 2) / (double)count;
+        (void)point(rounded(cos(angle)), rounded(sin(angle)), (double)(i % 2));
+    }
+    for (i = 0; i < count; i++) {
+        const size_t next = (i + 1) % count;
+        triangle(2 * i, 2 * next, 2 * next + 1);
+        triangle(2 * i, 2 * next + 1, 2 * i + 1);
+    }
+    for (i = 1; i + 1 < count; i++) {
+        triangle(0, 2 * i + 2, 2 * i);
+    }
+    for (i = 0; low + 1 < high; i++) {
+        const size_t middle = i % 2 ? low + 1 : high - 1;
+        triangle(2 * low + 1, 2 * middle + 1, 2 * high + 1);
+        *(i % 2 ? &low : &high) = middle;
+    }
+}
+
+/* A room with a wall that ends within its floor, in a larger box; points near the wall's foot, and in flat facets: in
+   triangles, on edges between them. */
+static void make_room(void)
+{
+    static const pbw_index floor[6][3] = { { 0, 1, 9 }, { 0, 9, 8 }, { 3, 2, 8 }, { 3, 8, 9 }, { 2, 0, 8 },
+                                           { 1, 3, 9 } };
+    size_t i;
+    big.points = big.triangles = 0;
+    add_box(0, 8);
+    (void)point(2, 4, 0), (void)point(6, 4, 0), (void)point(6, 4, 3), (void)point(2, 4, 3);
+    big.triangles -= 12;
+    for (i = 0; i < 6; i++) {
+        triangle(floor[i][0], floor[i][1], floor[i][2]);
+    }
+    i = big.triangles;
+    add_box(-8, 16);                                 /* twelve triangles with the corners 12 to 19 */
+    for (i += 2; i < 18; i++) {                      /* of the room: all but the floor */
+        const pbw_index *t = big.t[i];
+        triangle(t[0] - 12u, t[1] - 12u, t[2] - 12u);
+    }
+    triangle(8, 9, 10), triangle(8, 10, 11);
+    (void)point(4, 4.0625, 0.03125), (void)point(4.5, 3.9375, 0.03125), (void)point(3.25, 4.03125, 0.0625);
+    (void)point(4, 2, 0), (void)point(5, 5, 0);
+    (void)point(4, 4, 8), (void)point(2, 2, 8), (void)point(6, 5, 8), (void)point(0, 4, 4), (void)point(0, 4, 5);
+}
+
+static void test_flat_facets(void)
+{
+    pbw_fill_options how;
+    pbw_fill_report report;
+    pbw_fill_input in;
+    pbw_filled f;
+    memset(&how, 0, sizeof how);
+    if (test_begin("edges between coplanar triangles take no points")) {
+        make_prism(48);
+        in = input_of_big();
+        CHECK_EQUAL(fill_and_check(&in, &how, enclosed(&in)), 1);
+        CHECK_EQUAL(pbw_fill(&in, NULL, NULL, &f, &report), PBW_OK);
+        CHECK_EQUAL(report.segment_points, 0);
+        CHECK_EQUAL(report.facets, in.triangle_count);
+        pbw_fill_free(&f);
+        test_end();
+    }
+    if (test_begin("points in flat facets, walls that end there")) {
+        result_copy c;
+        const char *wrong;
+        size_t i, found = 0;
+        make_room();
+        in = input_of_big();
+        how.nested = 1;
+        CHECK_EQUAL(pbw_fill(&in, &how, NULL, &f, &report), PBW_OK);
+        CHECK_EQUAL(report.refusal, PBW_FILL_FILLED);
+        CHECK_EQUAL(report.regions, 2);
+        CHECK(report.segment_points > 0);
+        c = copy_of(&f);
+        wrong = fault_of(&in, &c, 0, 24 * 24 * 24);
+        if (!CHECK(wrong == NULL)) {
+            test_say("%s", wrong);
+        }
+        for (i = 0; i < c.point_count; i++) {
+            found += c.original[i] >= 20 && c.original[i] != PBW_NONE;
+        }
+        CHECK_EQUAL(found, 10);
+        free_copy(&c);
+        pbw_fill_free(&f);
+        test_end();
+    }
+}
+
 /* One of 24 kinds of damage. */
 static void damage(result_copy *c, int kind)
 {
@@ -1053,6 +1146,7 @@ int main(int argc, char **argv)
     test_shells();
     test_seeds();
     test_sheets();
+    test_flat_facets();
     test_refusals();
     test_magnitudes();
     test_memory();

@@ -23,8 +23,9 @@
      >>segments     points on segments until all of their pieces are edges
      >>cavities     one side of a facet's cavity, wrapped into tetrahedra
      >>facets       each facet found in the triangulation, or made there
-     >>exact        points taken off the surface's edges again
      >>regions      what the facets enclose
+     >>exact        points taken off the surface's edges again
+     >>diagonals    flat facets cut into the input's triangles
      >>inside       points inside, for sizes and shapes
      >>places       points back from the grid to the caller's places
      >>result       the caller's arrays
@@ -43,11 +44,11 @@
    3. Then the constrained Delaunay triangulation exists, and is unique under pbw.h's tie rule (Shewchuk 1998).  Where
       tetrahedra pass through a facet, both sides are filled again: each open face gets the visible vertex of which
       the sphere holds no other.
-   4. Unless options.conforming, added points are taken off the edges again: the tetrahedra at each are replaced by
-      others without it, or a copy of it moves inside (George, Borouchaki and Saltel 2003 move points likewise).  Then
-      the facets are the input's triangles.
-   5. What the facets enclose are regions: each gets the number of a seed in it; without seeds, what is inside of an
+   4. What the facets enclose are regions: each gets the number of a seed in it; without seeds, what is inside of an
       odd number of nested bodies is kept.
+   5. Unless options.conforming, added points are taken off the edges again: the tetrahedra at each are replaced by
+      others without it, or a copy of it moves inside (George, Borouchaki and Saltel 2003 move points likewise).  Then
+      edges within flat facets are flipped until these consist of the input's triangles.
    6. If sizes or ratios are given, tetrahedra that are too large or too slim get points at the centers of their
       spheres, in rounds; facets stay.
    7. Points of the input go back from the grid to their places.  Where a tetrahedron turns by that, it and those
@@ -164,7 +165,7 @@ typedef struct pbw_fill_report {
     pbw_improve_report improve;            /* dihedral angles before and after; zeros without improvement */
     pbw_quality inner;                     /* those of tetrahedra without a point of the surface, after */
     double seconds[10];                    /* of processor time: grid, triangulate, edges, crossings, segments,
-                                              facets, exact, regions, inside, improve */
+                                              facets, regions, exact, inside, improve */
 } pbw_fill_report;
 
 typedef struct pbw_filled {                /* start from {0}; pbw_fill_free when done */
@@ -205,9 +206,9 @@ PBW_CONTRACTION_OFF                        /* fused operations would give other 
 
 /* ------------------------------------------------------------------------------------------------------
    >>work         The work in progress: tetrahedra and their links, progress, a hash table.
-   Holds: tetrahedra in use are positive, and links of both sides agree; those not in use have the corner PBW_NONE and
-   are in `unused`.  Vertices are the input's points, eight corners of the box, then points that were added; at[v] is
-   a tetrahedron of v, PBW_NONE for duplicates.
+   Holds: tetrahedra in use are positive, but for those of no region in and after >>exact, and links of both sides
+   agree; those not in use have the corner PBW_NONE and are in `unused`.  Vertices are the input's points, eight
+   corners of the box, then points that were added; at[v] is a tetrahedron of v, PBW_NONE for duplicates.
    ------------------------------------------------------------------------------------------------------ */
 enum { PBWFILL__STEPS = 22,                /* places on a segment are multiples of 2^-22 of it */
        PBWFILL__GRAIN = 4096 };            /* items of a range of pbw_for */
@@ -244,7 +245,7 @@ typedef struct pbwfill__face {             /* at the boundary of a cavity */
                                               the number of its corner across */
     pbw_index wall;
     int side;                              /* of the facet's plane */
-    pbw_index tet, corner;                 /* that fills the cavity here */
+    pbw_index tet, corner;                 /* that fills the cavity here: its place in `made`, then itself */
 } pbwfill__face;
 
 typedef struct pbwfill__work {
@@ -288,6 +289,7 @@ typedef struct pbwfill__work {
     PBW_ARRAY(signed char) sign;           /* of each vertex, where seen_vertex has the epoch */
     PBW_ARRAY(uint32_t) seen_vertex;
     pbwfill__indices region;               /* of each tetrahedron */
+    pbwfill__indices made_region;          /* of those made; empty: all are of the region of the cavity's first */
     size_t region_count;
 } pbwfill__work;
 
@@ -812,16 +814,16 @@ static pbw_index pbwfill__root(pbw_index *tree, pbw_index i)
     return i;
 }
 
-/* Whether an edge lies within a flat facet: between two triangles of one number, coplanar in the input and on the
-   grid. */
+/* Whether an edge lies within a flat facet: between two triangles, coplanar in the input and on the grid, of one
+   number if facets stay as they are. */
 static int pbwfill__is_flat(const pbwfill__work *w, const pbwfill__edge *e)
 {
     const pbw_index *side = w->sides.at + e->first;
     const double *a, *b, *c, *d, *x = w->input->points;
     pbw_index u, v;
     int axis;
-    if (w->how.split_flat || e->count != 2 || e->piece != PBW_NONE
-        || (w->input->numbers != NULL && w->input->numbers[side[0] / 3] != w->input->numbers[side[1] / 3])) {
+    if (e->count != 2 || e->piece != PBW_NONE || (w->how.conforming && (w->how.split_flat
+        || (w->input->numbers != NULL && w->input->numbers[side[0] / 3] != w->input->numbers[side[1] / 3])))) {
         return 0;
     }
     u = w->corners.at[side[0]], v = w->corners.at[side[1]];
@@ -1818,7 +1820,8 @@ static pbw_status pbwfill__replace(pbwfill__work *w, pbw_index facet, const pbwf
             good = PBW_PUSH(&w->memory, w->region, PBW_NONE) != 0;
         }
         if (good && w->region.count > 0) {
-            w->region.at[places.at[i]] = w->region.at[w->cavity.at[0]];
+            w->region.at[places.at[i]] = w->made_region.count > 0 ? w->made_region.at[i]
+                                       : w->region.at[w->cavity.at[0]];
         }
     }
     for (i = 0; good && i < w->made.count; i++) {
@@ -1834,9 +1837,10 @@ static pbw_status pbwfill__replace(pbwfill__work *w, pbw_index facet, const pbwf
         const pbwfill__face *f = w->faces.at + i;
         const pbw_index t = places.at[f->tet];
         w->tets.at[t].wall[f->corner] = f->wall;
+        w->faces.at[i].tet = t;
         if (f->outside != PBW_NONE) {
             pbwfill__link(w, t, f->corner, f->outside, f->back);
-        } else if (f->wall != PBW_NONE) {            /* of a face with the cavity on both sides */
+        } else {                                     /* of a face with the cavity on both sides */
             good = pbwfill__pair_up(w, t, f->corner);
         }
     }
@@ -2050,534 +2054,6 @@ static pbw_status pbwfill__recover_facets(pbwfill__work *w)
         w->report->missing_facets += (size_t)missing;
     }
     PBW_RELEASE(&w->memory, walk);
-    return status;
-}
-
-/* ------------------------------------------------------------------------------------------------------
-   >>exact        Points taken off the surface's edges again.
-   In: the constrained triangulation, in which each triangle is a facet of its own.  Out: one with fewer vertices on
-   the triangles' edges, or none.
-   The tetrahedra at such a point v are wedges between triangles that meet at its edge.  Without v, each triangle's
-   faces at v become others over the same polygon; these and the faces across from v enclose what is to be filled.  A
-   wedge is wrapped as a facet's cavity is.  Tetrahedra that are positive and that closed faces link fill it without
-   overlap, as its boundary is that of the wedge.  If it cannot be wrapped, a copy of v moves into it: faces across
-   from v have v on their positive side, so also all places near v, and the new faces in the wedge's planes have all
-   places within it.  The places on the positive side of all faces are convex, and the copy climbs there as far from
-   the nearest plane as it can.
-   ------------------------------------------------------------------------------------------------------ */
-enum { PBWFILL__WRAPPED = 60, PBWFILL__STAR = 1500 };      /* most faces of wedges that are wrapped first; most
-                                                              tetrahedra at a point */
-
-typedef struct pbwfill__sector { pbw_index triangle, x, y; int wedge; } pbwfill__sector;   /* the face v x y of the
-                                                             triangle, the wedge is on its positive side */
-typedef struct pbwfill__ear { pbw_index triangle, v[3]; } pbwfill__ear;        /* from the edge's a on to its b */
-
-typedef struct pbwfill__star {             /* of one vertex on an edge between the vertices a and b */
-    pbw_index v, a, b;
-    int wedges;
-    size_t wrapped;                        /* most faces of wedges that are wrapped */
-    PBW_ARRAY(pbwfill__sector) sectors;
-    PBW_ARRAY(pbwfill__ear) ears;
-    pbwfill__indices polygon, before, after;         /* before, after: of each vertex that was added on an edge, the
-                                                        vertices beside it there; PBW_NONE of others */
-} pbwfill__star;
-
-/* Lists the tetrahedra at v and numbers their wedges from 1 on: w->epoch + wedge in `seen`.  Returns 0 without
-   memory. */
-static int pbwfill__find_wedges(pbwfill__work *w, pbwfill__star *star)
-{
-    size_t i, next;
-    unsigned k;
-    star->wedges = 0;
-    w->cavity.count = 0;
-    w->epoch += 2;
-    if (!PBW_PUSH(&w->memory, w->cavity, w->at.at[star->v])) {
-        return 0;
-    }
-    w->seen.at[w->at.at[star->v]] = w->epoch;
-    for (i = 0; i < w->cavity.count && w->cavity.count <= PBWFILL__STAR; i++) {
-        const pbwfill__tet *t = w->tets.at + w->cavity.at[i];
-        for (k = 0; k < 4; k++) {
-            if (t->v[k] != star->v && w->seen.at[t->n[k]] != w->epoch) {
-                w->seen.at[t->n[k]] = w->epoch;
-                if (!PBW_PUSH(&w->memory, w->cavity, t->n[k])) {
-                    return 0;
-                }
-            }
-        }
-    }
-    for (next = 0; next < w->cavity.count; next++) {
-        if (w->seen.at[w->cavity.at[next]] != w->epoch) {
-            continue;
-        }
-        star->wedges++;
-        w->rest.count = 0;
-        if (!PBW_PUSH(&w->memory, w->rest, w->cavity.at[next])) {
-            return 0;
-        }
-        w->seen.at[w->cavity.at[next]] = w->epoch + (uint32_t)star->wedges;
-        for (i = 0; i < w->rest.count; i++) {
-            const pbwfill__tet *t = w->tets.at + w->rest.at[i];
-            for (k = 0; k < 4; k++) {
-                if (t->v[k] != star->v && t->wall[k] == PBW_NONE && w->seen.at[t->n[k]] == w->epoch) {
-                    w->seen.at[t->n[k]] = w->epoch + (uint32_t)star->wedges;
-                    if (!PBW_PUSH(&w->memory, w->rest, t->n[k])) {
-                        return 0;
-                    }
-                }
-            }
-        }
-    }
-    return 1;
-}
-
-/* Lists the faces across from v, and the sectors. */
-static int pbwfill__list_star(pbwfill__work *w, pbwfill__star *star)
-{
-    size_t i;
-    unsigned j, k;
-    w->faces.count = star->sectors.count = 0;
-    for (i = 0; i < w->cavity.count; i++) {
-        const pbw_index t = w->cavity.at[i];
-        const pbwfill__tet *tet = w->tets.at + t;
-        const int wedge = (int)(w->seen.at[t] - w->epoch);
-        for (k = 0; k < 4; k++) {
-            pbw_index v[3];
-            for (j = 0; j < 3; j++) {
-                v[j] = tet->v[PBW_FACET_CORNER(k, 2 - j)];
-            }
-            if (tet->v[k] == star->v) {
-                pbwfill__face f;
-                memset(&f, 0, sizeof f);
-                memcpy(f.v, v, sizeof v);
-                f.outside = tet->n[k];
-                f.back = f.outside == PBW_NONE ? 0 : pbwfill__back(w->tets.at + f.outside, t);
-                f.wall = tet->wall[k];
-                f.side = wedge;
-                f.tet = PBW_NONE;
-                if (!PBW_PUSH(&w->memory, w->faces, f)) {
-                    return 0;
-                }
-            } else if (tet->wall[k] != PBW_NONE) {
-                const unsigned at = v[0] == star->v ? 0 : v[1] == star->v ? 1 : 2;
-                pbwfill__sector s;
-                s.triangle = tet->wall[k];
-                s.x = v[(at + 1) % 3];
-                s.y = v[(at + 2) % 3];
-                s.wedge = wedge;
-                if (!PBW_PUSH(&w->memory, star->sectors, s)) {
-                    return 0;
-                }
-            }
-        }
-    }
-    return 1;
-}
-
-/* Cuts ears off the polygon, in the plane of a triangle.  Returns 1; 0 if it has none; -1 without memory. */
-static int pbwfill__cut_ears(pbwfill__work *w, pbwfill__star *star, pbw_index triangle)
-{
-    const pbw_index *c = w->corners.at + 3 * (size_t)w->members.at[w->facet_first.at[triangle]];
-    pbw_index *p = star->polygon.at;
-    size_t n = star->polygon.count, i, j;
-    const int axis = pbwfill__axis_of(pbwfill__at(w, c[0]), pbwfill__at(w, c[1]), pbwfill__at(w, c[2]));
-    const int turn = pbwfill__turn(pbwfill__at(w, star->v), pbwfill__at(w, p[0]), pbwfill__at(w, p[1]), axis);
-    while (n >= 3) {
-        const size_t before = n;
-        for (i = 0; i < before; i++) {
-            const double *a = pbwfill__at(w, p[(i + n - 1) % n]), *b = pbwfill__at(w, p[i]);
-            const double *d = pbwfill__at(w, p[(i + 1) % n]);
-            if (n > 3 && (i == 0 || i == n - 1)) {
-                continue;                            /* the ends of the edge stay until the last */
-            }
-            if (pbwfill__turn(a, b, d, axis) != turn) {
-                continue;
-            }
-            for (j = 2; j < n - 1; j++) {
-                const double *q = pbwfill__at(w, p[(i + j) % n]);
-                if (pbwfill__turn(a, b, q, axis) != -turn && pbwfill__turn(b, d, q, axis) != -turn
-                    && pbwfill__turn(d, a, q, axis) != -turn) {
-                    break;
-                }
-            }
-            if (j >= n - 1) {
-                pbwfill__ear ear;
-                ear.triangle = triangle;
-                ear.v[0] = p[(i + n - 1) % n], ear.v[1] = p[i], ear.v[2] = p[(i + 1) % n];
-                if (!PBW_PUSH(&w->memory, star->ears, ear)) {
-                    return -1;
-                }
-                memmove(p + i, p + i + 1, (n - i - 1) * sizeof *p);
-                n--;
-                break;
-            }
-        }
-        if (n == before) {
-            return 0;
-        }
-    }
-    return 1;
-}
-
-/* Lists the triangles without v, from a on to b, of each triangle at the edge.  Returns as pbwfill__cut_ears does. */
-static int pbwfill__find_ears(pbwfill__work *w, pbwfill__star *star)
-{
-    const size_t count = star->sectors.count;
-    size_t i, j;
-    int found = 1;
-    star->ears.count = 0;
-    for (i = 0; i < count && found > 0; i++) {
-        const pbwfill__sector *first = star->sectors.at + i;
-        pbw_index last = first->x, at = first->y;
-        if (first->x != star->a) {
-            continue;
-        }
-        for (j = 0; j < star->ears.count && star->ears.at[j].triangle != first->triangle; j++) {
-        }
-        if (j < star->ears.count) {
-            continue;
-        }
-        star->polygon.count = 0;
-        if (!PBW_PUSH(&w->memory, star->polygon, last)) {
-            return -1;
-        }
-        while (at != star->b && star->polygon.count <= count) {
-            if (!PBW_PUSH(&w->memory, star->polygon, at)) {
-                return -1;
-            }
-            for (j = 0; j < count; j++) {
-                const pbwfill__sector *s = star->sectors.at + j;
-                if (s->triangle == first->triangle && s->x == at && s->y != last) {
-                    break;
-                }
-            }
-            if (j == count) {
-                return 0;
-            }
-            last = at;
-            at = star->sectors.at[j].y;
-        }
-        if (!PBW_PUSH(&w->memory, star->polygon, at)) {
-            return -1;
-        }
-        found = pbwfill__cut_ears(w, star, first->triangle);
-    }
-    return found;
-}
-
-/* Adds the ears to the faces of the wedges on both of their sides. */
-static int pbwfill__close_wedges(pbwfill__work *w, pbwfill__star *star)
-{
-    size_t i, j;
-    for (i = 0; i < star->sectors.count; i++) {
-        const pbwfill__sector *s = star->sectors.at + i;
-        for (j = 0; j < star->ears.count && (s->x == star->a || s->x == star->b); j++) {
-            const pbwfill__ear *ear = star->ears.at + j;
-            pbwfill__face f;
-            if (ear->triangle != s->triangle) {
-                continue;
-            }
-            memset(&f, 0, sizeof f);
-            f.v[0] = ear->v[0];
-            f.v[1] = ear->v[s->x == star->a ? 1 : 2];
-            f.v[2] = ear->v[s->x == star->a ? 2 : 1];
-            f.outside = f.tet = PBW_NONE;
-            f.wall = s->triangle;
-            f.side = s->wedge;
-            if (!PBW_PUSH(&w->memory, w->faces, f)) {
-                return 0;
-            }
-        }
-    }
-    return 1;
-}
-
-/* The unit normal of a face, into the wedge. */
-static void pbwfill__normal(const pbwfill__work *w, const pbw_index v[3], double n[3])
-{
-    const double *a = pbwfill__at(w, v[0]), *b = pbwfill__at(w, v[1]), *c = pbwfill__at(w, v[2]);
-    double length;
-    int k;
-    for (k = 0; k < 3; k++) {
-        const int p = (k + 1) % 3, q = (k + 2) % 3;
-        n[k] = (b[p] - a[p]) * (c[q] - a[q]) - (b[q] - a[q]) * (c[p] - a[p]);
-    }
-    length = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
-    for (k = 0; k < 3; k++) {
-        n[k] /= length;
-    }
-}
-
-/* How far x is inside of the plane that it is the least inside of, among the wedge's; n: that plane's normal. */
-static double pbwfill__depth(const pbwfill__work *w, int wedge, const double x[3], double n[3])
-{
-    double least = HUGE_VAL;
-    size_t i;
-    for (i = 0; i < w->faces.count; i++) {
-        const pbwfill__face *f = w->faces.at + i;
-        double m[3], depth;
-        const double *a = pbwfill__at(w, f->v[0]);
-        if (f->side != wedge) {
-            continue;
-        }
-        pbwfill__normal(w, f->v, m);
-        depth = m[0] * (x[0] - a[0]) + m[1] * (x[1] - a[1]) + m[2] * (x[2] - a[2]);
-        if (depth < least) {
-            least = depth;
-            memcpy(n, m, 3 * sizeof *n);
-        }
-    }
-    return least;
-}
-
-/* Whether all tetrahedra of the wedge's faces and x are positive. */
-static int pbwfill__sees_all(const pbwfill__work *w, int wedge, const double x[3])
-{
-    size_t i;
-    for (i = 0; i < w->faces.count; i++) {
-        const pbwfill__face *f = w->faces.at + i;
-        if (f->side == wedge && pbw_orient3(pbwfill__at(w, f->v[0]), pbwfill__at(w, f->v[1]),
-                                            pbwfill__at(w, f->v[2]), x) <= 0) {
-            return 0;
-        }
-    }
-    return 1;
-}
-
-/* Moves x away from the plane that it is the least inside of, among the wedge's, while that helps, by `step` and
-   less; where x sees all faces, so does the place that it moves to. */
-static void pbwfill__climb(const pbwfill__work *w, int wedge, double x[3], double step, int tries)
-{
-    double n[3], m[3], y[3], depth = pbwfill__depth(w, wedge, x, n);
-    const int seen = pbwfill__sees_all(w, wedge, x);
-    int k;
-    while (tries-- > 0) {
-        double other;
-        for (k = 0; k < 3; k++) {
-            y[k] = x[k] + step * n[k];
-        }
-        other = pbwfill__depth(w, wedge, y, m);
-        if (other > depth && (!seen || pbwfill__sees_all(w, wedge, y))) {
-            depth = other;
-            memcpy(x, y, sizeof y);
-            memcpy(n, m, sizeof m);
-        } else {
-            step /= 2;
-        }
-    }
-}
-
-/* Finds a place in the wedge from which all of its faces are seen.  Returns 0 if there is none. */
-static int pbwfill__find_place(const pbwfill__work *w, const pbwfill__star *star, int wedge, double x[3])
-{
-    const double *v = pbwfill__at(w, star->v);
-    double d[3] = { 0, 0, 0 }, n[3], reach = 0, length, step;
-    size_t i;
-    int k, tries;
-    for (i = 0; i < star->sectors.count; i++) {      /* those at a: one of each side of the wedge */
-        const pbwfill__sector *s = star->sectors.at + i;
-        if (s->wedge == wedge && (s->x == star->a || s->y == star->a)) {
-            pbw_index face[3];
-            face[0] = star->v, face[1] = s->x, face[2] = s->y;
-            pbwfill__normal(w, face, n);
-            for (k = 0; k < 3; k++) {
-                d[k] += n[k];
-            }
-        }
-    }
-    length = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
-    for (i = 0; i < w->faces.count; i++) {
-        const pbwfill__face *f = w->faces.at + i;
-        for (k = 0; k < 3 && f->side == wedge; k++) {
-            const double *q = pbwfill__at(w, f->v[k]);
-            reach = fmax(reach, pbwfill__distance(v, q));
-            if (!(length > 1e-6)) {                  /* all around one triangle: away from it */
-                d[0] += q[0] - v[0], d[1] += q[1] - v[1], d[2] += q[2] - v[2];
-            }
-        }
-    }
-    length = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
-    if (!(length > 0)) {
-        return 0;
-    }
-    for (tries = 0, step = reach; tries < 60; tries++, step /= 2) {
-        for (k = 0; k < 3; k++) {
-            x[k] = v[k] + step * d[k] / length;
-        }
-        if (pbwfill__sees_all(w, wedge, x)) {
-            break;
-        }
-    }
-    if (tries == 60) {
-        return 0;
-    }
-    pbwfill__climb(w, wedge, x, step, 24);
-    return 1;
-}
-
-/* Fills a wedge: wrapped, or around a copy of v. */
-static pbw_status pbwfill__fill_wedge(pbwfill__work *w, const pbwfill__star *star, int wedge, int may_copy)
-{
-    const size_t base = w->made.count;
-    pbwfill__indices floor = { NULL, 0, 0 };
-    pbw_status status = PBW_DEGENERATE;
-    size_t i, k, faces = 0;
-    double x[3];
-    w->rest.count = 0;
-    pbwfill__clear(&w->table);
-    for (i = 0; i < w->faces.count; i++) {
-        const pbwfill__face *f = w->faces.at + i;
-        faces += f->side == wedge;
-        for (k = 0; f->side == wedge && k < 3; k++) {
-            pbw_index *seen = pbwfill__put(w, &w->table, f->v[k], PBW_NONE, PBW_NONE);
-            if (seen == NULL || (*seen == PBW_NONE && !PBW_PUSH(&w->memory, w->rest, f->v[k]))) {
-                return PBW_ERROR_MEMORY;
-            }
-            *seen = 0;
-            w->sign.at[f->v[k]] = 1;
-        }
-    }
-    if (faces <= star->wrapped) {
-        status = pbwfill__wrap(w, wedge, base + 3 * faces + 30, &floor);
-    }
-    if (status == PBW_DEGENERATE && may_copy && pbwfill__find_place(w, star, wedge, x)) {
-        w->made.count = base;
-        if (!pbwfill__new_vertex(w, x)) {
-            return PBW_ERROR_MEMORY;
-        }
-        w->sign.at[pbwfill__vertices(w) - 1] = 1;
-        status = pbwfill__join(w, wedge, (pbw_index)(pbwfill__vertices(w) - 1));
-    }
-    PBW_RELEASE(&w->memory, floor);
-    return status;
-}
-
-/* Removes v, which is at the star's, from all of its wedges.  *done: 0 if it has to stay. */
-static pbw_status pbwfill__remove(pbwfill__work *w, pbwfill__star *star, int *done)
-{
-    const pbwfill__indices floor = { NULL, 0, 0 };
-    pbw_status status = PBW_OK;
-    int wedge, ears = 1;
-    *done = 0;
-    if (!pbwfill__find_wedges(w, star)) {
-        return PBW_ERROR_MEMORY;
-    }
-    if (w->cavity.count <= PBWFILL__STAR && !pbwfill__list_star(w, star)) {
-        return PBW_ERROR_MEMORY;
-    }
-    w->epoch += (uint32_t)star->wedges;
-    ears = w->cavity.count <= PBWFILL__STAR ? pbwfill__find_ears(w, star) : 0;
-    if (ears <= 0) {
-        return ears < 0 ? PBW_ERROR_MEMORY : PBW_OK;
-    }
-    if (!pbwfill__close_wedges(w, star)) {
-        return PBW_ERROR_MEMORY;
-    }
-    w->made.count = 0;
-    for (wedge = 1; wedge <= star->wedges && status == PBW_OK; wedge++) {
-        status = pbwfill__fill_wedge(w, star, wedge, star->a != PBW_NONE);
-    }
-    if (status != PBW_OK) {
-        return status == PBW_DEGENERATE ? PBW_OK : status;
-    }
-    *done = 1;
-    w->at.at[star->v] = PBW_NONE;
-    return pbwfill__replace(w, PBW_NONE, &floor);
-}
-
-/* Lists the neighbours of added vertices on their edges. */
-static int pbwfill__list_chains(pbwfill__work *w, pbwfill__star *star)
-{
-    const size_t count = pbwfill__vertices(w);
-    size_t i;
-    if (!PBW_ZEROS(&w->memory, star->before, count) || !PBW_ZEROS(&w->memory, star->after, count)) {
-        return 0;
-    }
-    memset(star->before.at, 0xff, count * sizeof *star->before.at);  /* PBW_NONE */
-    memset(star->after.at, 0xff, count * sizeof *star->after.at);
-    for (i = 0; i < w->pieces.count; i++) {
-        const pbwfill__piece *p = w->pieces.at + i;
-        if (w->edges.at[p->edge].count > 0 && p->a >= w->inputs) {
-            star->after.at[p->a] = p->b;
-        }
-        if (w->edges.at[p->edge].count > 0 && p->b >= w->inputs) {
-            star->before.at[p->b] = p->a;
-        }
-    }
-    return 1;
-}
-
-/* Takes vertices before `count` off the edges, the last one first.  Counts in *taken, and in *left those that have to
-   stay; the last pass reports these. */
-static pbw_status pbwfill__clear_edges(pbwfill__work *w, pbwfill__star *star, size_t count, int last, size_t *taken,
-                                       size_t *left)
-{
-    pbw_status status = PBW_OK;
-    size_t i;
-    *taken = *left = 0;
-    for (i = count; i-- > w->inputs + 8 && status == PBW_OK;) {
-        int done = 0;
-        star->v = (pbw_index)i;
-        star->a = star->before.at[i];
-        star->b = star->after.at[i];
-        if (star->a == PBW_NONE) {
-            continue;                                /* on a wire, or off */
-        }
-        status = pbwfill__tick(w, (double)(count - i) / (double)count) ? PBW_CANCELLED
-               : pbwfill__remove(w, star, &done);
-        if (status == PBW_OK && done) {
-            star->before.at[i] = PBW_NONE;
-            if (star->a >= w->inputs) {
-                star->after.at[star->a] = star->b;
-            }
-            if (star->b >= w->inputs) {
-                star->before.at[star->b] = star->a;
-            }
-        } else if (status == PBW_OK && last) {
-            (void)pbwfill__refuse(w, PBW_FILL_POINTS_LEFT, w->members.at[w->facet_first.at[star->sectors.count > 0
-                                  ? star->sectors.at[0].triangle : 0]], PBW_NONE);
-        }
-        *taken += (size_t)done;
-        *left += (size_t)!done;
-    }
-    return status;
-}
-
-/* Takes all added vertices off the edges, with another pass over those that had to stay while some come off; then
-   those off that can be spared inside. */
-static pbw_status pbwfill__clear_surface(pbwfill__work *w)
-{
-    pbwfill__star star;
-    pbw_status status;
-    const size_t count = pbwfill__vertices(w);
-    size_t i, taken = 1, left = 1;
-    int done;
-    if (w->how.conforming) {
-        return PBW_OK;
-    }
-    memset(&star, 0, sizeof star);
-    status = pbwfill__list_chains(w, &star) ? PBW_OK : PBW_ERROR_MEMORY;
-    star.wrapped = PBWFILL__WRAPPED;
-    while (status == PBW_OK && taken > 0 && left > 0) {
-        status = pbwfill__clear_edges(w, &star, count, 0, &taken, &left);
-        star.wrapped = PBWFILL__STAR;
-    }
-    if (status == PBW_OK && left > 0) {
-        status = pbwfill__clear_edges(w, &star, count, 1, &taken, &left);
-    }
-    star.a = star.b = PBW_NONE;
-    star.wrapped = PBWFILL__WRAPPED;
-    for (i = pbwfill__vertices(w); i-- > count && status == PBW_OK;) {
-        star.v = (pbw_index)i;
-        if (w->at.at[i] != PBW_NONE) {
-            status = pbwfill__tick(w, 1) ? PBW_CANCELLED : pbwfill__remove(w, &star, &done);
-        }
-    }
-    PBW_RELEASE(&w->memory, star.sectors);
-    PBW_RELEASE(&w->memory, star.ears);
-    PBW_RELEASE(&w->memory, star.polygon);
-    PBW_RELEASE(&w->memory, star.before);
-    PBW_RELEASE(&w->memory, star.after);
     return status;
 }
 
@@ -2840,6 +2316,1204 @@ static pbw_status pbwfill__find_regions(pbwfill__work *w)
     PBW_RELEASE(&w->memory, map.around);
     PBW_RELEASE(&w->memory, number);
     return status != PBW_OK ? status : pbwfill__check_closed(w);
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   >>exact        Points taken off the surface's edges again.
+   In: the constrained triangulation, in which each triangle is a facet of its own; regions.  Out: one with fewer
+   vertices on the triangles' edges, or none.
+   The tetrahedra at such a point v are wedges between triangles that meet at its edge.  Without v, each triangle's
+   faces at v become others over the same polygon; these and the faces across from v enclose what is to be filled.  A
+   wedge is wrapped as a facet's cavity is.  Tetrahedra that are positive and that closed faces link fill it without
+   overlap, as its boundary is that of the wedge.  A wedge of no region keeps its tetrahedra, with v: flat ones
+   between v and the new faces link them to these.  If a wedge cannot be wrapped, a copy of v moves into it: faces
+   across from v have v on their positive side, so also all places near v, and the new faces in the wedge's planes
+   have all places within it.  The places on the positive side of all faces are convex, and the copy climbs there as
+   far from the nearest plane as it can.
+   ------------------------------------------------------------------------------------------------------ */
+enum { PBWFILL__WRAPPED = 60, PBWFILL__STAR = 1500 };      /* most faces of wedges that are wrapped first; most
+                                                              tetrahedra at a point */
+
+typedef struct pbwfill__sector { pbw_index triangle, x, y; int wedge; } pbwfill__sector;   /* the face v x y of the
+                                                             triangle, the wedge is on its positive side */
+typedef struct pbwfill__ear {              /* from the edge's a on to its b */
+    pbw_index triangle, v[3];
+    pbw_index ends[2];                     /* the vertices of the face beside a and of that beside b */
+} pbwfill__ear;
+
+typedef struct pbwfill__star {             /* of one vertex on an edge between the vertices a and b */
+    pbw_index v, a, b;
+    int wedges;
+    size_t wrapped;                        /* most faces of wedges that are wrapped */
+    PBW_ARRAY(pbwfill__sector) sectors;
+    PBW_ARRAY(pbwfill__ear) ears;
+    pbwfill__indices regions;              /* of the wedges, from 1 on */
+    pbwfill__indices polygon, before, after;         /* before, after: of each vertex that was added on an edge, the
+                                                        vertices beside it there; PBW_NONE of others */
+} pbwfill__star;
+
+/* Lists the tetrahedra at v and numbers their wedges from 1 on: w->epoch + wedge in `seen`.  Returns 0 without
+   memory. */
+static int pbwfill__find_wedges(pbwfill__work *w, pbwfill__star *star)
+{
+    size_t i, next;
+    unsigned k;
+    star->wedges = 0;
+    w->cavity.count = 0;
+    w->epoch += 2;
+    if (!PBW_PUSH(&w->memory, w->cavity, w->at.at[star->v])) {
+        return 0;
+    }
+    w->seen.at[w->at.at[star->v]] = w->epoch;
+    for (i = 0; i < w->cavity.count; i++) {
+        const pbwfill__tet *t = w->tets.at + w->cavity.at[i];
+        for (k = 0; k < 4; k++) {
+            if (t->v[k] != star->v && w->seen.at[t->n[k]] != w->epoch) {
+                w->seen.at[t->n[k]] = w->epoch;
+                if (!PBW_PUSH(&w->memory, w->cavity, t->n[k])) {
+                    return 0;
+                }
+            }
+        }
+    }
+    for (next = 0; next < w->cavity.count; next++) {
+        if (w->seen.at[w->cavity.at[next]] != w->epoch) {
+            continue;
+        }
+        star->wedges++;
+        w->rest.count = 0;
+        if (!PBW_PUSH(&w->memory, w->rest, w->cavity.at[next])) {
+            return 0;
+        }
+        w->seen.at[w->cavity.at[next]] = w->epoch + (uint32_t)star->wedges;
+        for (i = 0; i < w->rest.count; i++) {
+            const pbwfill__tet *t = w->tets.at + w->rest.at[i];
+            for (k = 0; k < 4; k++) {
+                if (t->v[k] != star->v && t->wall[k] == PBW_NONE && w->seen.at[t->n[k]] == w->epoch) {
+                    w->seen.at[t->n[k]] = w->epoch + (uint32_t)star->wedges;
+                    if (!PBW_PUSH(&w->memory, w->rest, t->n[k])) {
+                        return 0;
+                    }
+                }
+            }
+        }
+    }
+    return 1;
+}
+
+/* Lists the faces of tetrahedron t of a wedge: those across from v, or, if the wedge is of no region, the walls at v,
+   seen from behind; and the sectors of either. */
+static int pbwfill__list_tet(pbwfill__work *w, pbwfill__star *star, pbw_index t)
+{
+    const pbwfill__tet *tet = w->tets.at + t;
+    const int wedge = (int)(w->seen.at[t] - w->epoch), kept = w->region.at[t] != PBW_NONE;
+    unsigned j, k;
+    for (k = 0; k < 4; k++) {
+        const int across = tet->v[k] == star->v;
+        pbwfill__face f;
+        memset(&f, 0, sizeof f);
+        for (j = 0; j < 3; j++) {
+            f.v[j] = tet->v[PBW_FACET_CORNER(k, 2 - j)];
+        }
+        if (!across && tet->wall[k] != PBW_NONE) {
+            const unsigned at = f.v[0] == star->v ? 0 : f.v[1] == star->v ? 1 : 2;
+            pbwfill__sector s;
+            s.triangle = tet->wall[k];
+            s.x = f.v[(at + 1) % 3];
+            s.y = f.v[(at + 2) % 3];
+            s.wedge = wedge;
+            if (!PBW_PUSH(&w->memory, star->sectors, s)) {
+                return 0;
+            }
+        }
+        if (kept ? !across : across || tet->wall[k] == PBW_NONE) {
+            continue;
+        }
+        f.outside = kept ? tet->n[k] : t;
+        f.back = !kept ? k : f.outside == PBW_NONE ? 0 : pbwfill__back(w->tets.at + f.outside, t);
+        f.wall = kept ? tet->wall[k] : PBW_NONE;
+        f.side = wedge;
+        f.tet = PBW_NONE;
+        if (!kept) {
+            const pbw_index first = f.v[0];
+            f.v[0] = f.v[1], f.v[1] = first;
+        }
+        if (!PBW_PUSH(&w->memory, w->faces, f)) {
+            return 0;
+        }
+    }
+    return 1;
+}
+
+/* Lists the faces of the wedges, and the sectors; in the cavity stay the tetrahedra that are of a region. */
+static int pbwfill__list_star(pbwfill__work *w, pbwfill__star *star)
+{
+    size_t i, kept = 0;
+    w->faces.count = star->sectors.count = star->regions.count = 0;
+    if (!PBW_RESERVE(&w->memory, star->regions, (size_t)star->wedges + 1)) {
+        return 0;
+    }
+    for (i = 0; i < w->cavity.count; i++) {
+        const pbw_index t = w->cavity.at[i];
+        star->regions.at[w->seen.at[t] - w->epoch] = w->region.at[t];
+        if (!pbwfill__list_tet(w, star, t)) {
+            return 0;
+        }
+        if (w->region.at[t] != PBW_NONE) {
+            w->cavity.at[kept++] = t;
+        }
+    }
+    w->cavity.count = kept;
+    return 1;
+}
+
+/* Cuts ears off the polygon, in the plane of a triangle.  Returns 1; 0 if it has none; -1 without memory. */
+static int pbwfill__cut_ears(pbwfill__work *w, pbwfill__star *star, pbw_index triangle)
+{
+    const pbw_index *c = w->corners.at + 3 * (size_t)w->members.at[w->facet_first.at[triangle]];
+    pbw_index *p = star->polygon.at;
+    size_t n = star->polygon.count, i, j;
+    const pbw_index second = p[1], last = p[n - 2];
+    const int axis = pbwfill__axis_of(pbwfill__at(w, c[0]), pbwfill__at(w, c[1]), pbwfill__at(w, c[2]));
+    const int turn = pbwfill__turn(pbwfill__at(w, star->v), pbwfill__at(w, p[0]), pbwfill__at(w, p[1]), axis);
+    while (n >= 3) {
+        const size_t before = n;
+        for (i = 0; i < before; i++) {
+            const double *a = pbwfill__at(w, p[(i + n - 1) % n]), *b = pbwfill__at(w, p[i]);
+            const double *d = pbwfill__at(w, p[(i + 1) % n]);
+            if (n > 3 && (i == 0 || i == n - 1)) {
+                continue;                            /* the ends of the edge stay until the last */
+            }
+            if (pbwfill__turn(a, b, d, axis) != turn) {
+                continue;
+            }
+            for (j = 2; j < n - 1; j++) {
+                const double *q = pbwfill__at(w, p[(i + j) % n]);
+                if (pbwfill__turn(a, b, q, axis) != -turn && pbwfill__turn(b, d, q, axis) != -turn
+                    && pbwfill__turn(d, a, q, axis) != -turn) {
+                    break;
+                }
+            }
+            if (j >= n - 1) {
+                pbwfill__ear ear;
+                ear.triangle = triangle;
+                ear.ends[0] = second, ear.ends[1] = last;
+                ear.v[0] = p[(i + n - 1) % n], ear.v[1] = p[i], ear.v[2] = p[(i + 1) % n];
+                if (!PBW_PUSH(&w->memory, star->ears, ear)) {
+                    return -1;
+                }
+                memmove(p + i, p + i + 1, (n - i - 1) * sizeof *p);
+                n--;
+                break;
+            }
+        }
+        if (n == before) {
+            return 0;
+        }
+    }
+    return 1;
+}
+
+/* Lists the triangles without v, from a on to b, of each triangle at the edge.  Returns as pbwfill__cut_ears does. */
+static int pbwfill__find_ears(pbwfill__work *w, pbwfill__star *star)
+{
+    const size_t count = star->sectors.count;
+    size_t i, j;
+    int found = 1;
+    star->ears.count = 0;
+    for (i = 0; i < count && found > 0; i++) {
+        const pbwfill__sector *first = star->sectors.at + i;
+        pbw_index last = first->x, at = first->y;
+        if (first->x != star->a) {
+            continue;
+        }
+        star->polygon.count = 0;
+        if (!PBW_PUSH(&w->memory, star->polygon, last)) {
+            return -1;
+        }
+        while (at != star->b && star->polygon.count <= count) {
+            if (!PBW_PUSH(&w->memory, star->polygon, at)) {
+                return -1;
+            }
+            for (j = 0; j < count; j++) {
+                const pbwfill__sector *s = star->sectors.at + j;
+                if (s->triangle == first->triangle && s->wedge == first->wedge && s->x == at && s->y != last) {
+                    break;
+                }
+            }
+            if (j == count) {
+                return 0;
+            }
+            last = at;
+            at = star->sectors.at[j].y;
+        }
+        if (!PBW_PUSH(&w->memory, star->polygon, at)) {
+            return -1;
+        }
+        found = pbwfill__cut_ears(w, star, first->triangle);
+    }
+    return found;
+}
+
+/* Adds the ears to the faces of the wedges on both of their sides. */
+static int pbwfill__close_wedges(pbwfill__work *w, pbwfill__star *star)
+{
+    size_t i, j;
+    for (i = 0; i < star->sectors.count; i++) {
+        const pbwfill__sector *s = star->sectors.at + i;
+        for (j = 0; j < star->ears.count && (s->x == star->a || s->x == star->b); j++) {
+            const pbwfill__ear *ear = star->ears.at + j;
+            pbwfill__face f;
+            if (ear->triangle != s->triangle || ear->ends[s->x == star->b] != s->y) {
+                continue;
+            }
+            memset(&f, 0, sizeof f);
+            f.v[0] = ear->v[0];
+            f.v[1] = ear->v[s->x == star->a ? 1 : 2];
+            f.v[2] = ear->v[s->x == star->a ? 2 : 1];
+            f.outside = f.tet = PBW_NONE;
+            f.wall = s->triangle;
+            f.side = s->wedge;
+            if (!PBW_PUSH(&w->memory, w->faces, f)) {
+                return 0;
+            }
+        }
+    }
+    return 1;
+}
+
+/* The unit normal of a face, into the wedge. */
+static void pbwfill__normal(const pbwfill__work *w, const pbw_index v[3], double n[3])
+{
+    const double *a = pbwfill__at(w, v[0]), *b = pbwfill__at(w, v[1]), *c = pbwfill__at(w, v[2]);
+    double length;
+    int k;
+    for (k = 0; k < 3; k++) {
+        const int p = (k + 1) % 3, q = (k + 2) % 3;
+        n[k] = (b[p] - a[p]) * (c[q] - a[q]) - (b[q] - a[q]) * (c[p] - a[p]);
+    }
+    length = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+    for (k = 0; k < 3; k++) {
+        n[k] /= length;
+    }
+}
+
+/* How far x is inside of the plane that it is the least inside of, among the wedge's; n: that plane's normal. */
+static double pbwfill__depth(const pbwfill__work *w, int wedge, const double x[3], double n[3])
+{
+    double least = HUGE_VAL;
+    size_t i;
+    for (i = 0; i < w->faces.count; i++) {
+        const pbwfill__face *f = w->faces.at + i;
+        double m[3], depth;
+        const double *a = pbwfill__at(w, f->v[0]);
+        if (f->side != wedge) {
+            continue;
+        }
+        pbwfill__normal(w, f->v, m);
+        depth = m[0] * (x[0] - a[0]) + m[1] * (x[1] - a[1]) + m[2] * (x[2] - a[2]);
+        if (depth < least) {
+            least = depth;
+            memcpy(n, m, 3 * sizeof *n);
+        }
+    }
+    return least;
+}
+
+/* Whether all tetrahedra of the wedge's faces and x are positive. */
+static int pbwfill__sees_all(const pbwfill__work *w, int wedge, const double x[3])
+{
+    size_t i;
+    for (i = 0; i < w->faces.count; i++) {
+        const pbwfill__face *f = w->faces.at + i;
+        if (f->side == wedge && pbw_orient3(pbwfill__at(w, f->v[0]), pbwfill__at(w, f->v[1]),
+                                            pbwfill__at(w, f->v[2]), x) <= 0) {
+            return 0;
+        }
+    }
+    return 1;
+}
+
+/* Moves x away from the plane that it is the least inside of, among the wedge's, while that helps, by `step` and
+   less; where x sees all faces, so does the place that it moves to. */
+static void pbwfill__climb(const pbwfill__work *w, int wedge, double x[3], double step, int tries)
+{
+    double n[3], m[3], y[3], depth = pbwfill__depth(w, wedge, x, n);
+    const int seen = pbwfill__sees_all(w, wedge, x);
+    int k;
+    while (tries-- > 0) {
+        double other;
+        for (k = 0; k < 3; k++) {
+            y[k] = x[k] + step * n[k];
+        }
+        other = pbwfill__depth(w, wedge, y, m);
+        if (other > depth && (!seen || pbwfill__sees_all(w, wedge, y))) {
+            depth = other;
+            memcpy(x, y, sizeof y);
+            memcpy(n, m, sizeof m);
+        } else {
+            step /= 2;
+        }
+    }
+}
+
+/* Finds a place in the wedge from which all of its faces are seen, from p in the direction d.  Returns 0 if there is
+   none. */
+static int pbwfill__find_place(const pbwfill__work *w, const double *p, const double d[3], int wedge, double x[3])
+{
+    const double length = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+    double reach = 0, step;
+    size_t i;
+    int k, tries;
+    for (i = 0; i < w->faces.count; i++) {
+        const pbwfill__face *f = w->faces.at + i;
+        for (k = 0; k < 3 && f->side == wedge; k++) {
+            reach = fmax(reach, pbwfill__distance(p, pbwfill__at(w, f->v[k])));
+        }
+    }
+    if (!(length > 0)) {
+        return 0;
+    }
+    for (tries = 0, step = reach; tries < 60; tries++, step /= 2) {
+        for (k = 0; k < 3; k++) {
+            x[k] = p[k] + step * d[k] / length;
+        }
+        if (pbwfill__sees_all(w, wedge, x)) {
+            break;
+        }
+    }
+    if (tries == 60) {
+        return 0;
+    }
+    pbwfill__climb(w, wedge, x, step, 24);
+    return 1;
+}
+
+/* The direction from v into a wedge: the sum of the normals of its two sides. */
+static void pbwfill__find_inward(const pbwfill__work *w, const pbwfill__star *star, int wedge, double d[3])
+{
+    const double *v = pbwfill__at(w, star->v);
+    double n[3];
+    size_t i;
+    int k;
+    d[0] = d[1] = d[2] = 0;
+    for (i = 0; i < star->sectors.count; i++) {      /* those at a: one of each side of the wedge */
+        const pbwfill__sector *s = star->sectors.at + i;
+        if (s->wedge == wedge && (s->x == star->a || s->y == star->a)) {
+            pbw_index face[3];
+            face[0] = star->v, face[1] = s->x, face[2] = s->y;
+            pbwfill__normal(w, face, n);
+            for (k = 0; k < 3; k++) {
+                d[k] += n[k];
+            }
+        }
+    }
+    if (sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]) > 1e-6) {
+        return;
+    }
+    for (i = 0; i < 3 * w->faces.count; i++) {       /* all around one triangle: away from it */
+        const pbwfill__face *f = w->faces.at + i / 3;
+        for (k = 0; k < 3 && f->side == wedge; k++) {
+            d[k] += pbwfill__at(w, f->v[i % 3])[k] - v[k];
+        }
+    }
+}
+
+/* Fills the space without volume between walls at v and new faces, in front of a wedge of no region. */
+static pbw_status pbwfill__fill_flat(pbwfill__work *w, int wedge, pbw_index v)
+{
+    pbwfill__indices open = { NULL, 0, 0 }, floor = { NULL, 0, 0 };
+    pbw_status status = pbwfill__open_faces(w, wedge, &open) ? PBW_OK : PBW_ERROR_MEMORY;
+    size_t i;
+    for (i = 0; i < w->faces.count && status == PBW_OK; i++) {
+        const pbwfill__face f = w->faces.at[i];
+        if (f.side == wedge && f.wall != PBW_NONE && f.v[0] != v && f.v[1] != v && f.v[2] != v) {
+            status = pbwfill__add_tet(w, f.v, v, &open, &floor);
+        }
+    }
+    while (status == PBW_OK && w->made_region.count < w->made.count) {
+        status = PBW_PUSH(&w->memory, w->made_region, PBW_NONE) ? PBW_OK : PBW_ERROR_MEMORY;
+    }
+    PBW_RELEASE(&w->memory, open);
+    PBW_RELEASE(&w->memory, floor);
+    return status;
+}
+
+/* Takes walls off the tetrahedra of no region before which there are flat ones now, and puts those made in their
+   places. */
+static pbw_status pbwfill__replace_wedges(pbwfill__work *w)
+{
+    const pbwfill__indices floor = { NULL, 0, 0 };
+    size_t i;
+    for (i = 0; i < w->faces.count; i++) {
+        const pbwfill__face *f = w->faces.at + i;
+        if (f->outside != PBW_NONE && f->wall == PBW_NONE && w->region.at[f->outside] == PBW_NONE) {
+            w->tets.at[f->outside].wall[f->back] = PBW_NONE;
+        }
+    }
+    return pbwfill__replace(w, PBW_NONE, &floor);
+}
+
+/* Lists the vertices of a wedge's faces.  Returns the number of these, PBW_NONE without memory. */
+static size_t pbwfill__list_wedge(pbwfill__work *w, int wedge)
+{
+    size_t i, k, faces = 0;
+    w->rest.count = 0;
+    pbwfill__clear(&w->table);
+    for (i = 0; i < w->faces.count; i++) {
+        const pbwfill__face *f = w->faces.at + i;
+        faces += f->side == wedge;
+        for (k = 0; f->side == wedge && k < 3; k++) {
+            pbw_index *seen = pbwfill__put(w, &w->table, f->v[k], PBW_NONE, PBW_NONE);
+            if (seen == NULL || (*seen == PBW_NONE && !PBW_PUSH(&w->memory, w->rest, f->v[k]))) {
+                return PBW_NONE;
+            }
+            *seen = 0;
+        }
+    }
+    return faces;
+}
+
+/* Fills a wedge of a region: wrapped, if it has no more than `most` faces, or around a new vertex, which is found
+   from p in the direction d; p NULL: none. */
+static pbw_status pbwfill__fill_wedge(pbwfill__work *w, int wedge, pbw_index region, size_t most, const double *p,
+                                      const double d[3])
+{
+    const size_t base = w->made.count, faces = pbwfill__list_wedge(w, wedge);
+    pbwfill__indices floor = { NULL, 0, 0 };
+    pbw_status status = faces == PBW_NONE ? PBW_ERROR_MEMORY : PBW_DEGENERATE;
+    double x[3];
+    if (status == PBW_DEGENERATE && faces <= most) {
+        status = pbwfill__wrap(w, wedge, base + 3 * faces + 30, &floor);
+    }
+    if (status == PBW_DEGENERATE && p != NULL && pbwfill__find_place(w, p, d, wedge, x)) {
+        w->made.count = base;
+        if (!pbwfill__new_vertex(w, x)) {
+            return PBW_ERROR_MEMORY;
+        }
+        w->sign.at[w->sign.count - 1] = 1;
+        status = pbwfill__join(w, wedge, (pbw_index)(pbwfill__vertices(w) - 1));
+    }
+    while (status == PBW_OK && w->made_region.count < w->made.count) {
+        status = PBW_PUSH(&w->memory, w->made_region, region) ? PBW_OK : PBW_ERROR_MEMORY;
+    }
+    PBW_RELEASE(&w->memory, floor);
+    return status;
+}
+
+/* Removes v, which is at the star's, from all of its wedges.  *done: 0 if it has to stay. */
+static pbw_status pbwfill__remove(pbwfill__work *w, pbwfill__star *star, int *done)
+{
+    pbw_status status = PBW_OK;
+    double p[3];
+    int wedge, ears;
+    *done = 0;
+    w->made.count = w->made_region.count = 0;
+    if (!pbwfill__find_wedges(w, star) || !pbwfill__list_star(w, star)) {
+        return PBW_ERROR_MEMORY;
+    }
+    w->epoch += (uint32_t)star->wedges;
+    ears = w->cavity.count <= PBWFILL__STAR ? pbwfill__find_ears(w, star) : 0;
+    if (ears <= 0) {
+        return ears < 0 ? PBW_ERROR_MEMORY : PBW_OK;
+    }
+    if (!pbwfill__close_wedges(w, star)) {
+        return PBW_ERROR_MEMORY;
+    }
+    for (wedge = 1; wedge <= star->wedges && status == PBW_OK; wedge++) {
+        const pbw_index region = star->regions.at[wedge];
+        if (region == PBW_NONE) {
+            status = pbwfill__fill_flat(w, wedge, star->v);
+        } else {
+            double d[3];
+            pbwfill__find_inward(w, star, wedge, d);
+            memcpy(p, pbwfill__at(w, star->v), sizeof p);        /* as vertices may move in memory */
+            status = pbwfill__fill_wedge(w, wedge, region, star->wrapped, star->a == PBW_NONE ? NULL : p, d);
+        }
+    }
+    if (status != PBW_OK) {
+        return status == PBW_DEGENERATE ? PBW_OK : status;
+    }
+    *done = 1;
+    w->at.at[star->v] = PBW_NONE;
+    return pbwfill__replace_wedges(w);
+}
+
+/* Lists the neighbours of added vertices on their edges. */
+static int pbwfill__list_chains(pbwfill__work *w, pbwfill__star *star)
+{
+    const size_t count = pbwfill__vertices(w);
+    size_t i;
+    if (!PBW_ZEROS(&w->memory, star->before, count) || !PBW_ZEROS(&w->memory, star->after, count)) {
+        return 0;
+    }
+    memset(star->before.at, 0xff, count * sizeof *star->before.at);  /* PBW_NONE */
+    memset(star->after.at, 0xff, count * sizeof *star->after.at);
+    for (i = 0; i < w->pieces.count; i++) {
+        const pbwfill__piece *p = w->pieces.at + i;
+        if (w->edges.at[p->edge].count > 0 && p->a >= w->inputs) {
+            star->after.at[p->a] = p->b;
+        }
+        if (w->edges.at[p->edge].count > 0 && p->b >= w->inputs) {
+            star->before.at[p->b] = p->a;
+        }
+    }
+    return 1;
+}
+
+/* Takes vertices before `count` off the edges, the last one first.  Counts in *taken, and in *left those that have to
+   stay; the last pass reports these. */
+static pbw_status pbwfill__clear_edges(pbwfill__work *w, pbwfill__star *star, size_t count, int last, size_t *taken,
+                                       size_t *left)
+{
+    pbw_status status = PBW_OK;
+    size_t i;
+    *taken = *left = 0;
+    for (i = count; i-- > w->inputs + 8 && status == PBW_OK;) {
+        int done = 0;
+        star->v = (pbw_index)i;
+        star->a = star->before.at[i];
+        star->b = star->after.at[i];
+        if (star->a == PBW_NONE) {
+            continue;                                /* on a wire, or off */
+        }
+        status = pbwfill__tick(w, (double)(count - i) / (double)count) ? PBW_CANCELLED
+               : pbwfill__remove(w, star, &done);
+        if (status == PBW_OK && done) {
+            star->before.at[i] = PBW_NONE;
+            if (star->a >= w->inputs) {
+                star->after.at[star->a] = star->b;
+            }
+            if (star->b >= w->inputs) {
+                star->before.at[star->b] = star->a;
+            }
+        } else if (status == PBW_OK && last) {
+            (void)pbwfill__refuse(w, PBW_FILL_POINTS_LEFT, w->members.at[w->facet_first.at[star->sectors.count > 0
+                                  ? star->sectors.at[0].triangle : 0]], PBW_NONE);
+        }
+        *taken += (size_t)done;
+        *left += (size_t)!done;
+    }
+    return status;
+}
+
+/* Takes all added vertices off the edges, with another pass over those that had to stay while some come off. */
+static pbw_status pbwfill__clear_surface(pbwfill__work *w, pbwfill__star *star)
+{
+    const size_t count = pbwfill__vertices(w);
+    pbw_status status = pbwfill__list_chains(w, star) ? PBW_OK : PBW_ERROR_MEMORY;
+    size_t taken = 1, left = 1;
+    star->wrapped = PBWFILL__WRAPPED;
+    while (status == PBW_OK && taken > 0 && left > 0) {
+        status = pbwfill__clear_edges(w, star, count, 0, &taken, &left);
+        star->wrapped = PBWFILL__STAR;
+    }
+    if (status == PBW_OK && left > 0) {
+        status = pbwfill__clear_edges(w, star, count, 1, &taken, &left);
+    }
+    return status;
+}
+
+/* Takes the vertices from number `first` on off that can be spared inside, the last one first. */
+static pbw_status pbwfill__clear_inside(pbwfill__work *w, pbwfill__star *star, size_t first)
+{
+    pbw_status status = PBW_OK;
+    size_t i;
+    star->a = star->b = PBW_NONE;
+    star->wrapped = PBWFILL__WRAPPED;
+    for (i = pbwfill__vertices(w); i-- > first && status == PBW_OK;) {
+        int done;
+        star->v = (pbw_index)i;
+        if (w->at.at[i] != PBW_NONE) {
+            status = pbwfill__tick(w, 1) ? PBW_CANCELLED : pbwfill__remove(w, star, &done);
+        }
+    }
+    return status;
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   >>diagonals    Flat facets cut into the input's triangles.
+   In: the constrained triangulation, in which facets of several coplanar triangles have faces of their own choice,
+   without added vertices.  Out: one in which each triangle is a facet, but for those in facets that are left.
+   The triangles of a facet are visited from its border inward; at an edge that is there, the two others of a triangle
+   are made by flips.  Let x-z be such an edge, and u a vertex to the left of it, of which the faces that x-z crosses
+   are convex at u.  Of u's edges that x-z crosses, one is in two faces that are a strictly convex quadrangle: else
+   their other ends were on u's side of the line between u's neighbours, but they are on the other side of x-z.  Each
+   such flip takes one of these edges off u, and adds no crossing; so there is an end.
+   A flip of a-b replaces the tetrahedra around a-b on both sides of the facet.  All places near the middle of a-b,
+   but off the plane, see the faces around these; so a vertex there does it where wrapping fails.
+   ------------------------------------------------------------------------------------------------------ */
+typedef struct pbwfill__part {             /* a face of a facet of several triangles */
+    pbw_index v[3], tets[2];               /* tets[0] is on the positive side of v, in all of the facet alike */
+    pbw_index facet, triangle;             /* the input's triangle, PBW_NONE: not yet known */
+} pbwfill__part;
+
+typedef struct pbwfill__flats {
+    PBW_ARRAY(pbwfill__part) parts;        /* `wall` has the number of facets plus the place in here */
+    pbwfill__table sides;                  /* u, v, facet: the part to the left of u-v */
+    pbwfill__table hops;                   /* u, v: the first vertex on the input's edge u-v, where that is not v */
+    pbwfill__indices queue;                /* sides of triangles, 3 t + k, that are there */
+    PBW_ARRAY(unsigned char) visited;      /* of each triangle */
+    pbwfill__indices crossed;              /* 2 an edge: its ends on the right and on the left */
+    pbw_index facet;                       /* at work; how it is seen: */
+    int axis, turn;
+} pbwfill__flats;
+
+/* On which side of u-v x is, in the facet at work; left: positive. */
+static int pbwfill__left(const pbwfill__work *w, const pbwfill__flats *f, pbw_index u, pbw_index v, pbw_index x)
+{
+    return f->turn * pbwfill__turn(pbwfill__at(w, u), pbwfill__at(w, v), pbwfill__at(w, x), f->axis);
+}
+
+/* The part to the left of u-v, PBW_NONE if there is none. */
+static pbw_index pbwfill__part_at(const pbwfill__flats *f, pbw_index u, pbw_index v)
+{
+    return pbwfill__look_up(&f->sides, u, v, f->facet);
+}
+
+/* The third vertex of a part. */
+static pbw_index pbwfill__apex(const pbwfill__flats *f, pbw_index part, pbw_index u, pbw_index v)
+{
+    const pbw_index *p = f->parts.at[part].v;
+    return p[0] ^ p[1] ^ p[2] ^ u ^ v;
+}
+
+/* Begins with a facet: how its first triangle is seen. */
+static void pbwfill__see(const pbwfill__work *w, pbwfill__flats *f, pbw_index facet)
+{
+    const pbw_index *c = w->corners.at + 3 * (size_t)w->members.at[w->facet_first.at[facet]];
+    f->facet = facet;
+    f->axis = pbwfill__axis_of(pbwfill__at(w, c[0]), pbwfill__at(w, c[1]), pbwfill__at(w, c[2]));
+    f->turn = pbwfill__turn(pbwfill__at(w, c[0]), pbwfill__at(w, c[1]), pbwfill__at(w, c[2]), f->axis);
+}
+
+/* Notes the part's sides. */
+static int pbwfill__put_sides(pbwfill__work *w, pbwfill__flats *f, pbw_index part)
+{
+    const pbwfill__part *p = f->parts.at + part;
+    int k;
+    for (k = 0; k < 3; k++) {
+        pbw_index *side = pbwfill__put(w, &f->sides, p->v[k], p->v[(k + 1) % 3], p->facet);
+        if (side == NULL) {
+            return 0;
+        }
+        *side = part;
+    }
+    return 1;
+}
+
+/* Lists the parts of all facets of several triangles.  left: gets 1 for facets with an added vertex. */
+static int pbwfill__list_parts(pbwfill__work *w, pbwfill__flats *f, unsigned char *left)
+{
+    size_t i;
+    unsigned j, k;
+    for (i = 0; i < w->tets.count; i++) {
+        for (k = 0; w->tets.at[i].v[0] != PBW_NONE && k < 4; k++) {
+            pbwfill__tet *t = w->tets.at + i, *n;
+            const pbw_index facet = t->wall[k];
+            pbwfill__part p;
+            if (facet >= w->report->facets || w->facet_first.at[facet + 1] == w->facet_first.at[facet] + 1) {
+                continue;
+            }
+            pbwfill__see(w, f, facet);
+            for (j = 0; j < 3; j++) {
+                p.v[j] = t->v[PBW_FACET_CORNER(k, 2 - j)];
+                left[facet] |= p.v[j] >= w->inputs;
+            }
+            p.tets[0] = (pbw_index)i;
+            p.tets[1] = t->n[k];
+            p.facet = facet;
+            p.triangle = PBW_NONE;
+            n = w->tets.at + p.tets[1];
+            n->wall[pbwfill__back(n, (pbw_index)i)] = t->wall[k] = (pbw_index)(w->report->facets + f->parts.count);
+            if (pbwfill__left(w, f, p.v[0], p.v[1], p.v[2]) < 0) {
+                j = p.v[0], p.v[0] = p.v[1], p.v[1] = j;
+                p.tets[0] = p.tets[1];
+                p.tets[1] = (pbw_index)i;
+            }
+            if (!PBW_PUSH(&w->memory, f->parts, p) || !pbwfill__put_sides(w, f, (pbw_index)f->parts.count - 1)) {
+                return 0;
+            }
+        }
+    }
+    return 1;
+}
+
+/* ---- a flip */
+
+/* Lists the tetrahedra around a-b on both sides of the parts p and q at it: w->epoch + side in `seen`.  Returns 0
+   without memory, or if there are others there. */
+static int pbwfill__list_ring(pbwfill__work *w, const pbwfill__flats *f, pbw_index a, pbw_index b, pbw_index p,
+                              pbw_index q)
+{
+    int side;
+    w->epoch += 2;
+    w->cavity.count = 0;
+    for (side = 0; side < 2; side++) {
+        pbw_index t = f->parts.at[p].tets[side], x = pbwfill__apex(f, p, a, b);
+        while (w->region.at[t] != PBW_NONE) {
+            const pbwfill__tet *tet = w->tets.at + t;
+            const unsigned i = pbwfill__corner_of(tet, x);
+            w->seen.at[t] = w->epoch + (uint32_t)side;
+            if (!PBW_PUSH(&w->memory, w->cavity, t)) {
+                w->starved = 1;
+                return 0;
+            }
+            if (tet->wall[i] != PBW_NONE) {
+                if (t != f->parts.at[q].tets[side]) {
+                    return 0;
+                }
+                break;
+            }
+            x = tet->v[0] ^ tet->v[1] ^ tet->v[2] ^ tet->v[3] ^ a ^ b ^ x;
+            t = tet->n[i];
+        }
+    }
+    return 1;
+}
+
+/* Adds a face of a wedge: v, or its other side. */
+static int pbwfill__add_face(pbwfill__work *w, const pbw_index v[3], int turned, int wedge, pbw_index wall,
+                             pbw_index outside)
+{
+    pbwfill__face f;
+    memset(&f, 0, sizeof f);
+    f.v[0] = v[turned], f.v[1] = v[!turned], f.v[2] = v[2];
+    f.outside = outside;
+    f.back = outside == PBW_NONE ? 0 : pbwfill__across(w->tets.at + outside, v);
+    f.wall = wall;
+    f.side = wedge;
+    f.tet = PBW_NONE;
+    return PBW_PUSH(&w->memory, w->faces, f) != 0;
+}
+
+/* Lists the faces of the wedges on both sides of a-b: those around, and the parts p and q as they are to be. */
+static int pbwfill__list_wedges(pbwfill__work *w, const pbwfill__flats *f, pbw_index a, pbw_index b,
+                                const pbw_index at[2], const pbwfill__part to[2])
+{
+    size_t i;
+    unsigned j;
+    int side, good = 1;
+    w->faces.count = 0;
+    for (i = 0; good && i < w->cavity.count; i++) {
+        const pbw_index t = w->cavity.at[i];
+        const pbwfill__tet *tet = w->tets.at + t;
+        for (j = 0; good && j < 4; j++) {
+            const pbw_index n = tet->n[j];
+            pbw_index v[3];
+            if (tet->v[j] == a || tet->v[j] == b) {
+                v[0] = tet->v[PBW_FACET_CORNER(j, 2)];
+                v[1] = tet->v[PBW_FACET_CORNER(j, 1)];
+                v[2] = tet->v[PBW_FACET_CORNER(j, 0)];
+                good = pbwfill__add_face(w, v, 0, (int)(w->seen.at[t] - w->epoch) + 1, tet->wall[j],
+                                         n == PBW_NONE || w->seen.at[n] >= w->epoch ? PBW_NONE : n);
+            }
+        }
+    }
+    for (i = 0; i < 4 && good; i++) {
+        const pbwfill__part *p = f->parts.at + at[i / 2];
+        side = (int)(i % 2);
+        good = pbwfill__add_face(w, to[i / 2].v, side, side + 1, (pbw_index)w->report->facets + at[i / 2], PBW_NONE)
+            && (w->region.at[p->tets[side]] != PBW_NONE
+                || pbwfill__add_face(w, p->v, !side, side + 1, PBW_NONE, p->tets[side]));
+    }
+    return good;
+}
+
+/* Sets the tetrahedra of the parts among the faces, which have been filled. */
+static void pbwfill__follow_parts(pbwfill__work *w, pbwfill__flats *f)
+{
+    size_t i;
+    for (i = 0; i < w->faces.count; i++) {
+        const pbwfill__face *face = w->faces.at + i;
+        if (face->wall != PBW_NONE && face->wall >= w->report->facets) {
+            pbwfill__part *p = f->parts.at + (face->wall - w->report->facets);
+            const int k = face->v[0] == p->v[0] ? 0 : face->v[1] == p->v[0] ? 1 : 2;
+            p->tets[face->v[(k + 1) % 3] != p->v[1]] = face->tet;
+        }
+    }
+}
+
+/* Replaces the edge a-b between two parts by the one between their other corners.  Returns PBW_DEGENERATE if it
+   cannot. */
+static pbw_status pbwfill__flip(pbwfill__work *w, pbwfill__flats *f, pbw_index a, pbw_index b)
+{
+    const pbw_index at[2] = { pbwfill__part_at(f, a, b), pbwfill__part_at(f, b, a) };
+    const pbw_index c = pbwfill__apex(f, at[0], a, b), d = pbwfill__apex(f, at[1], a, b);
+    pbwfill__part to[2];
+    pbw_status status = PBW_OK;
+    pbw_index *gone[2];
+    double middle[3], normal[3];
+    int side, k;
+    if (pbwfill__look_up(&w->segments, a < b ? a : b, a < b ? b : a, PBW_NONE) != PBW_NONE) {
+        return pbwfill__refuse(w, PBW_FILL_CROSSING, w->members.at[w->facet_first.at[f->facet]], PBW_NONE);
+    }
+    to[0] = f->parts.at[at[0]], to[1] = f->parts.at[at[1]];
+    to[0].v[0] = c, to[0].v[1] = a, to[0].v[2] = d;
+    to[1].v[0] = d, to[1].v[1] = b, to[1].v[2] = c;
+    w->made.count = w->made_region.count = 0;
+    w->starved = 0;
+    if (!pbwfill__list_ring(w, f, a, b, at[0], at[1])) {
+        return w->starved ? PBW_ERROR_MEMORY : PBW_DEGENERATE;
+    }
+    if (!pbwfill__list_wedges(w, f, a, b, at, to)) {
+        return PBW_ERROR_MEMORY;
+    }
+    pbwfill__normal(w, to[0].v, normal);
+    for (k = 0; k < 3; k++) {
+        middle[k] = (pbwfill__at(w, a)[k] + pbwfill__at(w, b)[k]) / 2;
+    }
+    for (side = 0; side < 2 && status == PBW_OK; side++) {
+        const pbw_index region = w->region.at[to[0].tets[side]];
+        status = region == PBW_NONE ? pbwfill__fill_flat(w, side + 1, b)
+               : pbwfill__fill_wedge(w, side + 1, region, PBWFILL__WRAPPED, middle, normal);
+        normal[0] = -normal[0], normal[1] = -normal[1], normal[2] = -normal[2];
+    }
+    status = status != PBW_OK ? status : pbwfill__replace_wedges(w);
+    if (status != PBW_OK) {
+        return status;
+    }
+    gone[0] = pbwfill__put(w, &f->sides, a, b, f->facet);            /* they are there, so nothing is allocated */
+    gone[1] = pbwfill__put(w, &f->sides, b, a, f->facet);
+    *gone[0] = *gone[1] = PBW_NONE;
+    f->parts.at[at[0]] = to[0];
+    f->parts.at[at[1]] = to[1];
+    pbwfill__follow_parts(w, f);
+    return pbwfill__put_sides(w, f, at[0]) && pbwfill__put_sides(w, f, at[1]) ? PBW_OK : PBW_ERROR_MEMORY;
+}
+
+/* ---- an edge of the input */
+
+/* Finds the part x u[0] u[1] that the way from x to z begins in, or on a side of which it is: counterclockwise from
+   x-y on, else clockwise.  Returns 0 if there is none. */
+static int pbwfill__find_way(const pbwfill__work *w, const pbwfill__flats *f, pbw_index x, pbw_index y, pbw_index z,
+                             pbw_index u[2])
+{
+    int back;
+    for (back = 0; back < 2; back++) {
+        pbw_index part;
+        u[!back] = y;
+        do {
+            u[back] = u[!back];
+            part = back ? pbwfill__part_at(f, u[1], x) : pbwfill__part_at(f, x, u[0]);
+            if (part == PBW_NONE) {
+                break;
+            }
+            u[!back] = pbwfill__apex(f, part, x, u[back]);
+            if (pbwfill__left(w, f, x, u[0], z) >= 0 && pbwfill__left(w, f, x, u[1], z) <= 0) {
+                return 1;
+            }
+        } while (u[!back] != y);
+    }
+    return 0;
+}
+
+/* Lists the edges that x-z crosses up to *next, the first vertex on it.  y: as for pbwfill__find_way. */
+static pbw_status pbwfill__find_crossed(pbwfill__work *w, pbwfill__flats *f, pbw_index x, pbw_index y, pbw_index z,
+                                        pbw_index *next)
+{
+    pbw_index u[2];
+    f->crossed.count = 0;
+    if (!pbwfill__find_way(w, f, x, y, z, u)) {
+        return PBW_DEGENERATE;
+    }
+    *next = pbwfill__left(w, f, x, u[0], z) == 0 ? u[0] : u[1];
+    if (*next == u[0] || pbwfill__left(w, f, x, u[1], z) == 0) {
+        return PBW_OK;
+    }
+    for (;;) {
+        const pbw_index part = pbwfill__part_at(f, u[1], u[0]);
+        int side;
+        if (part == PBW_NONE) {
+            return PBW_DEGENERATE;
+        }
+        if (!PBW_PUSH(&w->memory, f->crossed, u[0]) || !PBW_PUSH(&w->memory, f->crossed, u[1])) {
+            return PBW_ERROR_MEMORY;
+        }
+        *next = pbwfill__apex(f, part, u[0], u[1]);
+        side = pbwfill__left(w, f, x, z, *next);
+        if (side == 0) {
+            return PBW_OK;
+        }
+        u[side > 0] = *next;
+    }
+}
+
+/* The vertices before and behind crossed edge i, of the parts at it; *same: whether the edge between them does not
+   cross the way from x to z.  Returns whether these parts are a strictly convex quadrangle. */
+static int pbwfill__is_convex(const pbwfill__work *w, const pbwfill__flats *f, size_t i, pbw_index x, pbw_index z,
+                              int *same)
+{
+    const pbw_index *e = f->crossed.at + 2 * i, *last = f->crossed.at + f->crossed.count - 2;
+    const int before = i > 0 && e[-2] == e[0], behind = e < last && e[2] == e[0];        /* on the left */
+    const pbw_index p = i == 0 ? x : before ? e[-1] : e[-2], q = e == last ? z : behind ? e[3] : e[2];
+    *same = i == 0 || e == last || before == behind;
+    return pbwfill__left(w, f, p, e[0], q) > 0 && pbwfill__left(w, f, q, e[1], p) > 0;
+}
+
+/* Chooses one of the crossed edges to be flipped: one of which the flip takes a crossing off, or one at a convex
+   vertex on the left.  Returns their number if there is none. */
+static size_t pbwfill__choose_flip(const pbwfill__work *w, const pbwfill__flats *f, pbw_index x, pbw_index z)
+{
+    const size_t count = f->crossed.count / 2;
+    const pbw_index *e = f->crossed.at;
+    size_t i, j, k;
+    int same;
+    for (i = 0; i < count; i++) {
+        if (pbwfill__is_convex(w, f, i, x, z, &same) && same) {
+            return i;
+        }
+    }
+    for (i = 0; i < count; i = j) {
+        const pbw_index u = e[2 * i + 1], before = i == 0 ? x : e[2 * i - 1];
+        for (j = i; j < count && e[2 * j + 1] == u; j++) {
+        }
+        for (k = i; k < j && pbwfill__left(w, f, before, j == count ? z : e[2 * j + 1], u) > 0; k++) {
+            if (pbwfill__is_convex(w, f, k, x, z, &same)) {
+                return k;
+            }
+        }
+    }
+    return count;
+}
+
+/* Notes a piece of the input's edge. */
+static int pbwfill__note_piece(pbwfill__work *w, pbw_index u, pbw_index v)
+{
+    pbw_index *border = pbwfill__put(w, &w->borders, u < v ? u : v, u < v ? v : u, PBW_NONE);
+    return border != NULL && (*border = 0, 1);
+}
+
+/* Notes the first vertex on the way from u to v. */
+static int pbwfill__note_hop(pbwfill__work *w, pbwfill__flats *f, pbw_index u, pbw_index v, pbw_index first)
+{
+    pbw_index *hop = first == v ? &first : pbwfill__put(w, &f->hops, u, v, PBW_NONE);
+    return hop != NULL && (*hop = first, 1);
+}
+
+static pbw_index pbwfill__hop(const pbwfill__flats *f, pbw_index u, pbw_index v)
+{
+    const pbw_index first = pbwfill__look_up(&f->hops, u, v, PBW_NONE);
+    return first == PBW_NONE ? v : first;
+}
+
+/* Makes the edge x-z, or edges between the vertices on it; the edge x-y is there, and x y z counterclockwise. */
+static pbw_status pbwfill__make_edge(pbwfill__work *w, pbwfill__flats *f, pbw_index x, pbw_index y, pbw_index z)
+{
+    const pbw_index start = x;
+    pbw_index at = x, from = pbwfill__hop(f, x, y), next;
+    while (at != z) {
+        pbw_status status = pbwfill__find_crossed(w, f, at, from, z, &next);
+        while (status == PBW_OK && f->crossed.count > 0) {
+            const size_t i = pbwfill__choose_flip(w, f, at, next);
+            status = pbwfill__tick(w, 1) ? PBW_CANCELLED : 2 * i == f->crossed.count ? PBW_DEGENERATE
+                   : pbwfill__flip(w, f, f->crossed.at[2 * i], f->crossed.at[2 * i + 1]);
+            status = status != PBW_OK ? status : pbwfill__find_crossed(w, f, at, from, z, &next);
+        }
+        if (status == PBW_OK && !(pbwfill__note_piece(w, at, next) && (at != start
+                                  || pbwfill__note_hop(w, f, x, z, next)))) {
+            status = PBW_ERROR_MEMORY;
+        }
+        if (status != PBW_OK) {
+            return status;
+        }
+        from = at;
+        at = next;
+    }
+    return pbwfill__note_hop(w, f, z, start, from) ? PBW_OK : PBW_ERROR_MEMORY;
+}
+
+/* ---- a facet */
+
+/* Side s of a triangle as seen in the facet at work: from x to y, z is on the left. */
+static void pbwfill__see_side(const pbwfill__work *w, const pbwfill__flats *f, pbw_index s, pbw_index *x,
+                              pbw_index *y, pbw_index *z)
+{
+    const size_t t = s - s % 3;
+    const pbw_index a = w->corners.at[t + (s + 1) % 3], b = w->corners.at[t + (s + 2) % 3];
+    *z = w->corners.at[s];
+    *x = pbwfill__left(w, f, a, b, *z) > 0 ? a : b;
+    *y = a ^ b ^ *x;
+}
+
+/* Notes the pieces of the facet's border, and queues its sides. */
+static int pbwfill__queue_border(pbwfill__work *w, pbwfill__flats *f)
+{
+    size_t i;
+    f->queue.count = 0;
+    pbwfill__clear(&w->borders);
+    pbwfill__clear(&f->hops);
+    for (i = 3 * (size_t)w->facet_first.at[f->facet]; i < 3 * (size_t)w->facet_first.at[f->facet + 1]; i++) {
+        const size_t s = 3 * (size_t)w->members.at[i / 3] + i % 3;
+        const pbwfill__edge *e = w->edges.at + w->edge_of.at[s];
+        pbw_index piece, last = e->a;
+        for (piece = e->piece; piece != PBW_NONE; piece = w->pieces.at[piece].next) {
+            const pbw_index b = w->pieces.at[piece].b;
+            if (b < w->inputs) {
+                if (!pbwfill__note_piece(w, last, b) || (last == e->a && !pbwfill__note_hop(w, f, last, e->b, b))
+                    || (b == e->b && !pbwfill__note_hop(w, f, b, e->a, last))) {
+                    return 0;
+                }
+                last = b;
+            }
+        }
+        if (e->piece != PBW_NONE && !PBW_PUSH(&w->memory, f->queue, (pbw_index)s)) {
+            return 0;
+        }
+    }
+    return 1;
+}
+
+/* Makes the edges of all of the facet's triangles. */
+static pbw_status pbwfill__make_edges_of(pbwfill__work *w, pbwfill__flats *f)
+{
+    pbw_status status = pbwfill__queue_border(w, f) ? PBW_OK : PBW_ERROR_MEMORY;
+    size_t i;
+    unsigned k;
+    for (i = 0; i < f->queue.count && status == PBW_OK; i++) {
+        const pbw_index s = f->queue.at[i], t = s - s % 3;
+        pbw_index x, y, z;
+        if (f->visited.at[s / 3]) {
+            continue;
+        }
+        f->visited.at[s / 3] = 1;
+        pbwfill__see_side(w, f, s, &x, &y, &z);
+        status = pbwfill__make_edge(w, f, x, y, z);
+        status = status != PBW_OK ? status : pbwfill__make_edge(w, f, z, x, y);
+        for (k = 1; k < 3 && status == PBW_OK; k++) {
+            const pbw_index side = t + (s + k) % 3;
+            const pbwfill__edge *e = w->edges.at + w->edge_of.at[side];
+            if (e->piece == PBW_NONE) {
+                const pbw_index *sides = w->sides.at + e->first;
+                status = PBW_PUSH(&w->memory, f->queue, sides[sides[0] == side]) ? PBW_OK : PBW_ERROR_MEMORY;
+            }
+        }
+    }
+    return status;
+}
+
+/* Gives the facet's parts their triangles: one for each, but where other points of the input lie in it. */
+static int pbwfill__find_triangles(pbwfill__work *w, pbwfill__flats *f)
+{
+    size_t i;
+    int k;
+    for (i = w->facet_first.at[f->facet]; i < w->facet_first.at[f->facet + 1]; i++) {
+        const pbw_index t = w->members.at[i];
+        pbw_index x, y, z;
+        pbwfill__see_side(w, f, 3 * t, &x, &y, &z);
+        f->queue.count = 0;
+        if (!PBW_PUSH(&w->memory, f->queue, pbwfill__part_at(f, x, pbwfill__hop(f, x, y)))) {
+            return 0;
+        }
+        while (f->queue.count > 0) {
+            pbwfill__part *p = f->parts.at + f->queue.at[--f->queue.count];
+            p->triangle = t;
+            for (k = 0; k < 3; k++) {
+                const pbw_index u = p->v[k], v = p->v[(k + 1) % 3];
+                const pbw_index part = pbwfill__part_at(f, v, u);
+                if (pbwfill__look_up(&w->borders, u < v ? u : v, u < v ? v : u, PBW_NONE) == PBW_NONE
+                    && f->parts.at[part].triangle == PBW_NONE && !PBW_PUSH(&w->memory, f->queue, part)) {
+                    return 0;
+                }
+            }
+        }
+    }
+    return 1;
+}
+
+/* Makes facets of the triangles, but of those in facets that are left.  Returns 0 without memory. */
+static int pbwfill__split_facets(pbwfill__work *w, const pbwfill__flats *f, const unsigned char *left)
+{
+    const size_t facets = w->report->facets;
+    pbwfill__indices number = { NULL, 0, 0 };
+    size_t i, next = 0;
+    if (!PBW_FIT(&w->memory, number, facets + 1)) {
+        return 0;
+    }
+    for (i = 0; i < w->corners.count / 3; i++) {     /* by first triangles, as before */
+        pbw_index *facet = w->facet_of.at + i;
+        if (*facet != PBW_NONE) {
+            const int first = w->members.at[w->facet_first.at[*facet]] == i;
+            const pbw_index new_number = first || !left[*facet] ? (pbw_index)next++ : number.at[*facet];
+            number.at[*facet] = first ? new_number : number.at[*facet];
+            *facet = new_number;
+        }
+    }
+    for (i = 0; i < 4 * w->tets.count; i++) {
+        pbw_index *wall = w->tets.at[i / 4].wall + i % 4;
+        if (w->tets.at[i / 4].v[0] != PBW_NONE && *wall != PBW_NONE) {
+            const pbwfill__part *p = *wall < facets ? NULL : f->parts.at + (*wall - facets);
+            *wall = p == NULL ? number.at[*wall] : p->triangle == PBW_NONE ? number.at[p->facet]
+                  : w->facet_of.at[p->triangle];
+        }
+    }
+    w->report->facets = next;
+    memset(w->facet_first.at, 0, (next + 2) * sizeof *w->facet_first.at);
+    pbwfill__list_members(w);
+    PBW_RELEASE(&w->memory, number);
+    return 1;
+}
+
+/* Cuts flat facets into the input's triangles, but for those with added vertices. */
+static pbw_status pbwfill__cut_facets(pbwfill__work *w)
+{
+    pbwfill__flats f;
+    PBW_ARRAY(unsigned char) left = { NULL, 0, 0 };
+    pbw_status status;
+    size_t i;
+    memset(&f, 0, sizeof f);
+    status = PBW_ZEROS(&w->memory, left, w->report->facets + 1)
+          && PBW_ZEROS(&w->memory, f.visited, w->corners.count / 3 + 1)
+          && pbwfill__list_parts(w, &f, left.at) ? PBW_OK : PBW_ERROR_MEMORY;
+    for (i = 0; i < w->report->facets && status == PBW_OK; i++) {
+        if (w->facet_first.at[i + 1] == w->facet_first.at[i] + 1 || left.at[i]) {
+            continue;
+        }
+        pbwfill__see(w, &f, (pbw_index)i);
+        status = pbwfill__make_edges_of(w, &f);
+        if (status == PBW_OK && !pbwfill__find_triangles(w, &f)) {
+            status = PBW_ERROR_MEMORY;
+        }
+        if (status == PBW_DEGENERATE && w->report->refusal != PBW_FILL_CROSSING) {
+            (void)pbwfill__refuse(w, PBW_FILL_POINTS_LEFT, w->members.at[w->facet_first.at[i]], PBW_NONE);
+            left.at[i] = 1;
+            status = PBW_OK;
+        }
+    }
+    if (status == PBW_OK && !pbwfill__split_facets(w, &f, left.at)) {
+        status = PBW_ERROR_MEMORY;
+    }
+    PBW_RELEASE(&w->memory, left);
+    PBW_RELEASE(&w->memory, f.parts);
+    PBW_RELEASE(&w->memory, f.sides.slots);
+    PBW_RELEASE(&w->memory, f.hops.slots);
+    PBW_RELEASE(&w->memory, f.queue);
+    PBW_RELEASE(&w->memory, f.crossed);
+    PBW_RELEASE(&w->memory, f.visited);
+    return status;
+}
+
+/* Makes the facets the input's triangles. */
+static pbw_status pbwfill__make_exact(pbwfill__work *w)
+{
+    const size_t count = pbwfill__vertices(w);
+    pbwfill__star star;
+    pbw_status status;
+    if (w->how.conforming) {
+        return PBW_OK;
+    }
+    memset(&star, 0, sizeof star);
+    memset(w->sign.at, 1, w->sign.count);            /* one side only */
+    status = pbwfill__clear_surface(w, &star);
+    status = status != PBW_OK ? status : pbwfill__cut_facets(w);
+    status = status != PBW_OK ? status : pbwfill__clear_inside(w, &star, count);
+    PBW_RELEASE(&w->memory, star.sectors);
+    PBW_RELEASE(&w->memory, star.ears);
+    PBW_RELEASE(&w->memory, star.regions);
+    PBW_RELEASE(&w->memory, star.polygon);
+    PBW_RELEASE(&w->memory, star.before);
+    PBW_RELEASE(&w->memory, star.after);
+    return status;
 }
 
 /* ------------------------------------------------------------------------------------------------------
@@ -3463,6 +4137,7 @@ static pbw_status pbwfill__find_places(pbwfill__work *w)
     pbwfill__doubles grid = { NULL, 0, 0 };
     pbw_status status = pbwfill__leave_grid(w, &grid) ? PBW_OK : PBW_ERROR_MEMORY;
     size_t i, k, changes = 1;
+    w->made_region.count = 0;
     memset(w->sign.at, 1, w->sign.count);            /* one side only */
     while (changes > 0 && status == PBW_OK) {
         const size_t count = w->tets.count;
@@ -3873,6 +4548,7 @@ static void pbwfill__release(pbwfill__work *w)
     PBW_RELEASE(m, w->sign);
     PBW_RELEASE(m, w->seen_vertex);
     PBW_RELEASE(m, w->region);
+    PBW_RELEASE(m, w->made_region);
 }
 
 static pbw_status pbwfill__run(pbwfill__work *w, pbw_filled *filled)
@@ -3882,7 +4558,7 @@ static pbw_status pbwfill__run(pbwfill__work *w, pbw_filled *filled)
         { "grid", pbwfill__make_vertices, 0.02 }, { "triangulate", pbwfill__triangulate, 0.2 },
         { "edges", pbwfill__find_edges, 0.25 }, { "crossings", pbwfill__check_crossings, 0.3 },
         { "segments", pbwfill__recover_segments, 0.6 }, { "facets", pbwfill__recover_facets, 0.7 },
-        { "exact", pbwfill__clear_surface, 0.8 }, { "regions", pbwfill__find_regions, 0.85 },
+        { "regions", pbwfill__find_regions, 0.75 }, { "exact", pbwfill__make_exact, 0.85 },
         { "inside", pbwfill__add_inside, 0.95 }
     };
     pbw_status status = PBW_OK;
@@ -3927,7 +4603,6 @@ PBWDEF pbw_status pbw_fill(const pbw_fill_input *input, const pbw_fill_options *
     if (how != NULL) {
         w.how = *how;
     }
-    w.how.split_flat |= !w.how.conforming;
     status = pbwfill__run(&w, filled);
     pbwfill__release(&w);
     return status;
