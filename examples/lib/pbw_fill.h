@@ -3967,33 +3967,124 @@ static pbw_status pbwfill__add_inside(pbwfill__work *w)
 enum { PBWFILL__RINGS = 4, PBWFILL__MENDED = 300 };        /* rings of tetrahedra around a turned one, and most of
                                                               them, that are filled again */
 
-/* Moves points of the input to the caller's places, and points on edges between these to the edge; grid: gets the
-   places that all vertices had, in the caller's coordinates. */
-static int pbwfill__leave_grid(pbwfill__work *w, pbwfill__doubles *grid)
+/* What points go back to the grid by, and the tetrahedra that the work begins with. */
+typedef struct pbwfill__backup {
+    pbwfill__doubles grid;                 /* 3 a vertex: its place on the grid, in the caller's coordinates */
+    PBW_ARRAY(unsigned char) kept;         /* of each vertex: it stays on the grid; above 1: since the last
+                                              beginning, 2 and the number of rings to what failed */
+    PBW_ARRAY(pbwfill__tet) tets;          /* none while no tetrahedron had to be filled again */
+    pbwfill__indices unused, region;
+    pbwfill__indices failed;               /* tetrahedra that are not positive with all of their points on the grid */
+} pbwfill__backup;
+
+static int pbwfill__list_grid(pbwfill__work *w, pbwfill__backup *b)
 {
-    const double *given = w->input->points;
-    size_t i, k;
-    if (!PBW_FIT(&w->memory, *grid, w->x.count)) {
+    size_t i;
+    if (!PBW_FIT(&w->memory, b->grid, w->x.count) || !PBW_ZEROS(&w->memory, b->kept, w->x.count / 3)) {
         return 0;
     }
+    b->grid.count = w->x.count;
     for (i = 0; i < w->x.count; i += 3) {
-        pbwfill__place(w, w->x.at + i, grid->at + i);
+        pbwfill__place(w, w->x.at + i, b->grid.at + i);
     }
-    grid->count = w->x.count;
-    memcpy(w->x.at, grid->at, w->x.count * sizeof *grid->at);
-    memcpy(w->x.at, given, 3 * w->inputs * sizeof *given);
+    return 1;
+}
+
+/* Moves points of the input to the caller's places, but for those that are kept, and points on edges between them to
+   the edge. */
+static void pbwfill__leave_grid(pbwfill__work *w, const pbwfill__backup *b)
+{
+    double *x = w->x.at;
+    const double *grid = b->grid.at;
+    size_t i, k;
+    memcpy(x, grid, w->x.count * sizeof *x);
+    for (i = 0; i < w->inputs; i++) {
+        memcpy(x + 3 * i, b->kept.at[i] ? grid + 3 * i : w->input->points + 3 * i, 3 * sizeof *x);
+    }
     for (i = 0; i < w->pieces.count; i++) {
         const pbwfill__piece *piece = w->pieces.at + i;
-        const size_t v = 3 * (size_t)piece->b, a = 3 * (size_t)piece->ends[0], b = 3 * (size_t)piece->ends[1];
+        const size_t v = 3 * (size_t)piece->b, p = 3 * (size_t)piece->ends[0], q = 3 * (size_t)piece->ends[1];
         const double t = (double)piece->to * ldexp(1, -PBWFILL__STEPS);
-        if (piece->b >= w->inputs && (pbwfill__differ(given + a, grid->at + a)
-                                      || pbwfill__differ(given + b, grid->at + b))) {
+        if (piece->b >= w->inputs && !b->kept.at[piece->b]
+            && (pbwfill__differ(x + p, grid + p) || pbwfill__differ(x + q, grid + q))) {
             for (k = 0; k < 3; k++) {
-                w->x.at[v + k] = (1 - t) * given[a + k] + t * given[b + k];
+                x[v + k] = (1 - t) * x[p + k] + t * x[q + k];
             }
         }
     }
+}
+
+/* Copies the tetrahedra.  Returns 0 without memory. */
+static int pbwfill__back_up(pbwfill__work *w, pbwfill__backup *b)
+{
+    if (!PBW_FIT(&w->memory, b->tets, w->tets.count) || !PBW_FIT(&w->memory, b->region, w->tets.count)
+        || !PBW_FIT(&w->memory, b->unused, w->unused.count + 1)) {
+        return 0;
+    }
+    memcpy(b->tets.at, w->tets.at, w->tets.count * sizeof *b->tets.at);
+    memcpy(b->region.at, w->region.at, w->tets.count * sizeof *b->region.at);
+    if (w->unused.count > 0) {
+        memcpy(b->unused.at, w->unused.at, w->unused.count * sizeof *b->unused.at);
+    }
+    b->tets.count = w->tets.count;
+    b->unused.count = w->unused.count;
     return 1;
+}
+
+/* Takes the copy back, and drops the vertices that were added since. */
+static void pbwfill__begin_again(pbwfill__work *w, pbwfill__backup *b)
+{
+    const size_t vertices = b->kept.count;
+    memcpy(w->tets.at, b->tets.at, b->tets.count * sizeof *b->tets.at);
+    memcpy(w->region.at, b->region.at, b->tets.count * sizeof *b->region.at);
+    if (b->unused.count > 0) {
+        memcpy(w->unused.at, b->unused.at, b->unused.count * sizeof *b->unused.at);
+    }
+    w->tets.count = w->seen.count = w->region.count = b->tets.count;
+    w->unused.count = b->unused.count;
+    b->grid.count = w->x.count = 3 * vertices;
+    w->at.count = w->touched.count = w->beyond.count = w->sign.count = w->seen_vertex.count = vertices;
+}
+
+/* Keeps the points of tetrahedra that failed on the grid, and all of so many rings of tetrahedra around these.
+   Returns how many it keeps more.  A tetrahedron of the copy is as it is with all points on the grid; another one was
+   positive when it was made, so that one of its points has moved since. */
+static size_t pbwfill__keep(pbwfill__work *w, pbwfill__backup *b, size_t rings)
+{
+    size_t i, k, ring, more = 0, before;
+    for (i = 0; i < b->kept.count; i++) {
+        b->kept.at[i] = b->kept.at[i] > 0;
+    }
+    for (i = 0; i < b->failed.count; i++) {
+        const size_t t = b->failed.at[i];
+        const pbw_index *v = w->tets.at[t].v;
+        if (t < b->tets.count && memcmp(v, b->tets.at[t].v, sizeof w->tets.at[t].v) == 0) {
+            continue;
+        }
+        for (k = 0; k < 4; k++) {
+            if (v[k] < b->kept.count && !b->kept.at[v[k]]) {
+                b->kept.at[v[k]] = 2;
+                more++;
+            }
+        }
+    }
+    for (ring = 0, before = 0; ring < rings && more > before; ring++) {
+        before = more;
+        for (i = 0; i < b->tets.count; i++) {
+            const pbw_index *v = b->tets.at[i].v;
+            int near = 0;
+            for (k = 0; k < 4 && v[0] != PBW_NONE; k++) {
+                near |= b->kept.at[v[k]] >= 2 && b->kept.at[v[k]] <= 2 + ring;
+            }
+            for (k = 0; k < 4 && near; k++) {
+                if (!b->kept.at[v[k]]) {
+                    b->kept.at[v[k]] = (unsigned char)(3 + ring);
+                    more++;
+                }
+            }
+        }
+    }
+    return more;
 }
 
 /* Whether a tetrahedron has an edge of a wire. */
@@ -4132,16 +4223,14 @@ static pbw_status pbwfill__note_turned(void *arg, size_t from, size_t to)
     return PBW_OK;
 }
 
-static pbw_status pbwfill__find_places(pbwfill__work *w)
+/* Fills turned tetrahedra again; where that fails, their points go back to the grid. */
+static pbw_status pbwfill__mend_all(pbwfill__work *w, pbwfill__backup *b)
 {
-    pbwfill__doubles grid = { NULL, 0, 0 };
-    pbw_status status = pbwfill__leave_grid(w, &grid) ? PBW_OK : PBW_ERROR_MEMORY;
+    pbw_status status = PBW_OK;
     size_t i, k, changes = 1;
-    w->made_region.count = 0;
-    memset(w->sign.at, 1, w->sign.count);            /* one side only */
     while (changes > 0 && status == PBW_OK) {
         const size_t count = w->tets.count;
-        changes = w->report->flat_tets = 0;
+        changes = b->failed.count = 0;
         status = !PBW_FIT(&w->memory, w->noted, count) ? PBW_ERROR_MEMORY
                : pbw_for(pbwfill__inner_options(w), count, PBWFILL__GRAIN, pbwfill__note_turned, w);
         for (i = 0; i < count && status == PBW_OK; i++) {
@@ -4149,16 +4238,56 @@ static pbw_status pbwfill__find_places(pbwfill__work *w)
             if (!w->noted.at[i] || !pbwfill__is_turned(w, i)) {
                 continue;
             }
-            status = pbwfill__tick(w, 1) ? PBW_CANCELLED : pbwfill__mend(w, (pbw_index)i, &grid, &done);
+            if (b->tets.count == 0 && !pbwfill__back_up(w, b)) {
+                return PBW_ERROR_MEMORY;
+            }
+            status = pbwfill__tick(w, 1) ? PBW_CANCELLED : pbwfill__mend(w, (pbw_index)i, &b->grid, &done);
             for (k = 0; k < 4 && !done && status == PBW_OK && pbwfill__is_turned(w, i); k++) {
                 const size_t v = 3 * (size_t)w->tets.at[i].v[k];
-                changes += (size_t)pbwfill__differ(w->x.at + v, grid.at + v);
-                memcpy(w->x.at + v, grid.at + v, 3 * sizeof *grid.at);
+                changes += (size_t)pbwfill__differ(w->x.at + v, b->grid.at + v);
+                memcpy(w->x.at + v, b->grid.at + v, 3 * sizeof *w->x.at);
             }
-            w->report->flat_tets += (size_t)!done;
+            if (!done && status == PBW_OK && !PBW_PUSH(&w->memory, b->failed, (pbw_index)i)) {
+                return PBW_ERROR_MEMORY;
+            }
         }
     }
-    PBW_RELEASE(&w->memory, grid);
+    for (i = k = 0; i < b->failed.count; i++) {      /* others may be filled again with them */
+        b->failed.at[k] = b->failed.at[i];
+        k += (size_t)pbwfill__is_turned(w, b->failed.at[i]);
+    }
+    b->failed.count = k;
+    return status;
+}
+
+static pbw_status pbwfill__find_places(pbwfill__work *w)
+{
+    enum { SINGLE = 4, RINGS = 127 };      /* beginnings after which only points that fail are kept; most rings */
+    pbwfill__backup b;
+    pbw_status status;
+    size_t begins = 0, rings = 0, more = 1;
+    memset(&b, 0, sizeof b);
+    status = pbwfill__list_grid(w, &b) ? PBW_OK : PBW_ERROR_MEMORY;
+    w->made_region.count = 0;
+    memset(w->sign.at, 1, w->sign.count);            /* one side only */
+    while (more > 0 && status == PBW_OK) {
+        pbwfill__leave_grid(w, &b);
+        status = pbwfill__mend_all(w, &b);
+        more = status == PBW_OK ? pbwfill__keep(w, &b, rings) : 0;
+        if (more > 0) {
+            pbwfill__begin_again(w, &b);
+        }
+        if (++begins >= SINGLE && rings < RINGS) {
+            rings = 2 * rings + 1;
+        }
+    }
+    w->report->flat_tets = b.failed.count;
+    PBW_RELEASE(&w->memory, b.grid);
+    PBW_RELEASE(&w->memory, b.kept);
+    PBW_RELEASE(&w->memory, b.tets);
+    PBW_RELEASE(&w->memory, b.unused);
+    PBW_RELEASE(&w->memory, b.region);
+    PBW_RELEASE(&w->memory, b.failed);
     return status;
 }
 
