@@ -279,6 +279,7 @@ typedef struct pbwfill__work {
     pbwfill__indices facet_of;             /* of each triangle */
     pbwfill__indices facet_first, members; /* the triangles of facet f: members[facet_first[f]] to the next's */
     PBW_ARRAY(pbwfill__piece) pieces;
+    PBW_ARRAY(unsigned char) narrow;       /* of each vertex: two segments at it are at less than 8 degrees */
     pbwfill__indices ends_of;              /* 2 a vertex on a segment: its piece's `ends`; vertices of segments follow
                                               the box's corners */
     pbwfill__table table, borders, covered, segments;
@@ -641,7 +642,7 @@ static pbw_status pbwfill__triangulate(pbwfill__work *w)
 
 /* ------------------------------------------------------------------------------------------------------
    >>edges        Edges of the triangles; which are segments; flat facets.
-   In: the input's triangles.  Out: corners, edges, sides, facets, a piece for each segment.
+   In: the input's triangles.  Out: corners, edges, sides, facets, a piece for each segment, narrow.
    Holds: edges ascend by their ends, and so do not depend on the order of triangles; facets are numbered by their
    first triangles.
    ------------------------------------------------------------------------------------------------------ */
@@ -670,6 +671,12 @@ static int pbwfill__turn(const double *a, const double *b, const double *c, int 
 static int pbwfill__differ(const double *p, const double *q)
 {
     return p[0] < q[0] || p[0] > q[0] || p[1] < q[1] || p[1] > q[1] || p[2] < q[2] || p[2] > q[2];
+}
+
+static double pbwfill__distance(const double *p, const double *q)
+{
+    const double x = p[0] - q[0], y = p[1] - q[1], z = p[2] - q[2];
+    return sqrt(x * x + y * y + z * z);
 }
 
 /* Refuses points that are at one place of the grid, but not of the input. */
@@ -908,6 +915,45 @@ static void pbwfill__list_members(pbwfill__work *w)
     w->facet_first.at[facets] = (pbw_index)w->members.count;
 }
 
+/* Marks the vertices with two segments at less than 8 degrees.  It does not look at more than 1000 segments of one:
+   circles of 4 degrees around the directions of 822 cover more than the sphere, so that two of them meet. */
+static pbw_status pbwfill__find_narrow(pbwfill__work *w)
+{
+    const double least = 0.99;                       /* the cosine */
+    pbwfill__indices first = { NULL, 0, 0 }, others = { NULL, 0, 0 };
+    pbw_status status = PBW_ERROR_MEMORY;
+    size_t i, j;
+    if (PBW_ZEROS(&w->memory, w->narrow, w->inputs + 1) && PBW_ZEROS(&w->memory, first, w->inputs + 1)
+        && PBW_FIT(&w->memory, others, 2 * w->pieces.count + 1)) {
+        status = PBW_OK;
+        for (i = 0; i < 2 * w->pieces.count; i++) {
+            first.at[w->pieces.at[i / 2].ends[i % 2]]++;
+        }
+        for (i = 0; i < w->inputs; i++) {
+            first.at[i + 1] += first.at[i];
+        }
+        for (i = 2 * w->pieces.count; i-- > 0;) {
+            others.at[--first.at[w->pieces.at[i / 2].ends[i % 2]]] = w->pieces.at[i / 2].ends[1 - i % 2];
+        }
+        for (i = 0; i < w->inputs; i++) {
+            const pbw_index *other = others.at + first.at[i];
+            const size_t count = first.at[i + 1] - first.at[i];
+            const double *p = pbwfill__at(w, (pbw_index)i);
+            w->narrow.at[i] = count > 1000;
+            for (j = 0; j < count * count && !w->narrow.at[i]; j++) {
+                const double *q = pbwfill__at(w, other[j / count]), *r = pbwfill__at(w, other[j % count]);
+                const double product = (q[0] - p[0]) * (r[0] - p[0]) + (q[1] - p[1]) * (r[1] - p[1])
+                                     + (q[2] - p[2]) * (r[2] - p[2]);
+                w->narrow.at[i] = j / count < j % count
+                               && product > least * pbwfill__distance(p, q) * pbwfill__distance(p, r);
+            }
+        }
+    }
+    PBW_RELEASE(&w->memory, first);
+    PBW_RELEASE(&w->memory, others);
+    return status;
+}
+
 static pbw_status pbwfill__find_edges(pbwfill__work *w)
 {
     pbwfill__indices order = { NULL, 0, 0 };
@@ -924,6 +970,7 @@ static pbw_status pbwfill__find_edges(pbwfill__work *w)
     PBW_RELEASE(&w->memory, gone);
     if (status == PBW_OK) {
         pbwfill__list_members(w);
+        status = pbwfill__find_narrow(w);
     }
     return status;
 }
@@ -1081,17 +1128,13 @@ static pbw_status pbwfill__insert(pbwfill__work *w, pbw_index vertex, pbw_index 
    balls over neither part: then nothing that was seen keeps these from being edges.  Where no cut does this, the
    middle halves the problem.  The cut would call forth a vertex on a segment that shares an end with this one, that
    vertex the next cut here, and so on: then both get the same distance from that end (Si and Gaertner 2005, "Meshing
-   piecewise linear complexes by constrained Delaunay tetrahedralizations").
+   piecewise linear complexes by constrained Delaunay tetrahedralizations").  A segment with narrow angles at both ends,
+   as in strips of thin triangles, is first cut in the middle: its halves have one such end each, so that its cuts and
+   those of the segments beside it are at equal distances from the same end.
    ------------------------------------------------------------------------------------------------------ */
 /* What is in the ball over a piece: the vertex that sees it under the largest angle, and its place along the piece;
    cuts from low to high leave none in the balls over the parts.  From 0 to 1, from a to b. */
 typedef struct pbwfill__sight { pbw_index vertex; double at, low, high; } pbwfill__sight;
-
-static double pbwfill__distance(const double *p, const double *q)
-{
-    const double x = p[0] - q[0], y = p[1] - q[1], z = p[2] - q[2];
-    return sqrt(x * x + y * y + z * z);
-}
 
 /* The tetrahedron at a that the way to b begins in: b is a corner of it if a and b have an edge.  The triangulation
    must be Delaunay: there a walk that steps to facets that b is beyond comes nearer to b (Edelsbrunner 1990). */
@@ -1198,9 +1241,14 @@ static double pbwfill__split_at(const pbwfill__work *w, const pbwfill__piece *pi
 {
     const double least = 0.05;                       /* the shortest part that is cut off */
     const size_t first = w->inputs + 8;
+    const uint32_t half = 1u << (PBWFILL__STEPS - 1);
     double t;
     int side;
     *near = 1e-5;
+    if (sight->vertex != PBW_NONE && w->narrow.at[piece->ends[0]] && w->narrow.at[piece->ends[1]]
+        && piece->from < half && piece->to > half) {
+        return 0.5;
+    }
     for (side = 0; side < 2 && sight->vertex != PBW_NONE && sight->vertex >= first; side++) {
         const pbw_index *ends = w->ends_of.at + 2 * (sight->vertex - first), end = piece->ends[side];
         const double *c = pbwfill__at(w, end), *r = pbwfill__at(w, sight->vertex), *from, *to;
@@ -4656,6 +4704,7 @@ static void pbwfill__release(pbwfill__work *w)
     PBW_RELEASE(m, w->seen);
     PBW_RELEASE(m, w->touched);
     PBW_RELEASE(m, w->beyond);
+    PBW_RELEASE(m, w->narrow);
     PBW_RELEASE(m, w->noted);
     PBW_RELEASE(m, w->corners);
     PBW_RELEASE(m, w->edges);
