@@ -141,6 +141,87 @@ static void test_functions(void)
     }
 }
 
+/* Edges at few points, in groups of hundreds, sorted by any number of threads: each once, by both ends, then by
+   triangles. */
+static void test_edges(void)
+{
+    enum { POINTS = 40, TRIANGLES = 5000 };
+    static pbw_index triangles[3 * TRIANGLES];
+    static unsigned char seen[3 * TRIANGLES];
+    pbwim__sorting sorting;
+    pbwm3__work w;
+    size_t i;
+    int count;
+    if (!test_begin("edges")) {
+        return;
+    }
+    for (i = 0; i < 3 * TRIANGLES; i++) {            /* three different corners */
+        triangles[i] = (pbw_index)(i % 3 == 0 ? pbw_random(1, i) % POINTS
+                                   : (triangles[i - 1] + 1 + pbw_random(1, i) % (POINTS / 2 - 1)) % POINTS);
+    }
+    for (count = 1; count < 4; count++) {
+        const pbwim__facet *e;
+        int right = 1;
+        memset(&w, 0, sizeof w);
+        memset(seen, 0, sizeof seen);
+        pbw_memory_start(&w.memory, NULL);
+        w.options.threads = count;
+        e = pbwm3__edges(&w, triangles, TRIANGLES, POINTS, &sorting);
+        for (i = 0; i < 3 * TRIANGLES; i++, e++) {
+            const pbw_index *c = triangles + 3 * (size_t)e->t, a = c[e->i], b = c[(e->i + 1) % 3];
+            right &= e->v[0] == (a < b ? a : b) && e->v[1] == (a < b ? b : a) && e->v[2] == (pbw_index)(a < b)
+                  && !seen[3 * (size_t)e->t + (size_t)e->i];
+            seen[3 * (size_t)e->t + (size_t)e->i] = 1;
+            right &= i == 0 || e[-1].v[0] < e->v[0]
+                  || (e[-1].v[0] == e->v[0] && (e[-1].v[1] < e->v[1] || (e[-1].v[1] == e->v[1] && e[-1].t < e->t)));
+        }
+        CHECK(right);
+        pbwim__end_sorting(&w.memory, &sorting);
+    }
+    test_end();
+}
+
+/* Any number of threads makes the same mesh, boundary and report: a hollow ball, which has two shells. */
+static void test_threads(void)
+{
+    const pbw_solid_input in = input_by(hollow);
+    static const int counts[] = { 1, 2, 3, 8 };
+    pbw_solid_boundary boundary[2];
+    pbw_solid_report r[2];
+    pbw_solid_options how;
+    pbw_options threads;
+    pbw_tets mesh[2];
+    size_t i;
+    if (!test_begin("threads")) {
+        return;
+    }
+    memset(&how, 0, sizeof how);
+    memset(&threads, 0, sizeof threads);
+    how.size = 0.13;
+    for (i = 0; i < 4; i++) {
+        const size_t at = i > 0;
+        threads.threads = counts[i];
+        CHECK_EQUAL(pbw_solid(&in, &how, &threads, mesh + at, boundary + at, r + at), PBW_OK);
+        CHECK(mesh->tet_count == mesh[at].tet_count && mesh->point_count == mesh[at].point_count
+              && memcmp(mesh->corners, mesh[at].corners, 16 * mesh->tet_count) == 0
+              && memcmp(mesh->points, mesh[at].points, 24 * mesh->point_count) == 0
+              && memcmp(mesh->regions, mesh[at].regions, 4 * mesh->tet_count) == 0);
+        CHECK(boundary->facet_count == boundary[at].facet_count
+              && memcmp(boundary->facets, boundary[at].facets, 12 * boundary->facet_count) == 0
+              && memcmp(boundary->patches, boundary[at].patches, 4 * boundary->facet_count) == 0);
+        CHECK(memcmp(&r->distance, &r[at].distance, sizeof r->distance) == 0
+              && memcmp(&r->estimate, &r[at].estimate, sizeof r->estimate) == 0);
+        if (at > 0) {
+            pbw_tets_free(mesh + 1);
+            pbw_solid_boundary_free(boundary + 1);
+        }
+    }
+    test_say("%zu tetrahedra", mesh->tet_count);
+    pbw_tets_free(mesh);
+    pbw_solid_boundary_free(boundary);
+    test_end();
+}
+
 /* Two cones, base to base, with tips thinner than a third of the size: the boundary comes near them. */
 static void test_horns(void)
 {
@@ -296,7 +377,7 @@ static void test_stuffing(void)
     pbwst_mesh made;
     pbw_tets in, out;
     pbwm3__topology top;
-    pbw_memory memory;
+    pbwm3__work w;
     pbw_index *facets;
     size_t count = 0, i;
     int k;
@@ -321,12 +402,13 @@ static void test_stuffing(void)
             facets[count++] = out.corners[i / 4 * 4 + (size_t)pbwim__opposite[i % 4][k]];
         }
     }
-    pbw_memory_start(&memory, NULL);
-    CHECK(pbwm3__examine(&memory, facets, count / 3, out.point_count, &top));
+    memset(&w, 0, sizeof w);
+    pbw_memory_start(&w.memory, NULL);
+    CHECK(pbwm3__examine(&w, facets, count / 3, out.point_count, &top));
     CHECK_EQUAL(top.bad_edges + top.bad_points, 0);
     CHECK_EQUAL(top.euler, 4);
-    PBW_RELEASE(&memory, top.edges);
-    PBW_RELEASE(&memory, top.flags);
+    PBW_RELEASE(&w.memory, top.edges);
+    PBW_RELEASE(&w.memory, top.flags);
     free(facets);
     pbw_tets_free(&out);
     pbwst_free(&made);
@@ -547,9 +629,9 @@ static size_t make_cubes(part *m, const size_t n[3], int twice)
 /* A region's boundary is a manifold of that Euler number. */
 static int is_closed(const pbw_tets *t, const pbw_solid_boundary *b, pbw_index region, long euler)
 {
-    pbw_memory memory;
     pbw_index *facets = (pbw_index *)zoo_grow(NULL, (b->facet_count + 1) * 3 * sizeof *facets);
     pbwm3__topology top;
+    pbwm3__work w;
     size_t i, count = 0;
     int right;
     for (i = 0; i < b->facet_count; i++) {
@@ -557,11 +639,12 @@ static int is_closed(const pbw_tets *t, const pbw_solid_boundary *b, pbw_index r
             memcpy(facets + 3 * count++, b->facets + 3 * i, 3 * sizeof *facets);
         }
     }
-    pbw_memory_start(&memory, NULL);
-    right = pbwm3__examine(&memory, facets, count, t->point_count, &top) && top.bad_edges + top.bad_points == 0
+    memset(&w, 0, sizeof w);
+    pbw_memory_start(&w.memory, NULL);
+    right = pbwm3__examine(&w, facets, count, t->point_count, &top) && top.bad_edges + top.bad_points == 0
          && top.euler == euler;
-    PBW_RELEASE(&memory, top.edges);
-    PBW_RELEASE(&memory, top.flags);
+    PBW_RELEASE(&w.memory, top.edges);
+    PBW_RELEASE(&w.memory, top.flags);
     free(facets);
     return right;
 }
@@ -1457,6 +1540,8 @@ int main(int argc, char **argv)
 {
     test_start(argc, argv, 1);
     test_functions();
+    test_edges();
+    test_threads();
     test_models();
     test_features();
     test_tip();

@@ -2284,14 +2284,16 @@ static void pbwim__set_message(const pbwim__mesh *m, const char *text, size_t i,
 
 typedef struct pbwim__sorting {            /* start from zeros */
     pbwim__facets items, other;
-    PBW_ARRAY(size_t) first;               /* per number, in a column */
+    pbwsf__counts first;                   /* per number in column 0: where its items begin; in the end, where they
+                                              end */
+    int (*compare)(const void *x, const void *y);    /* items of one number */
 } pbwim__sorting;
 
 /* Makes room for items of numbers below `range`.  Returns 0 if there is no memory. */
 static int pbwim__begin_sorting(pbw_memory *memory, pbwim__sorting *s, size_t count, size_t range)
 {
     return PBW_FIT(memory, s->items, count + 1) && PBW_FIT(memory, s->other, count + 1)
-        && PBW_FIT(memory, s->first, range + 2);
+        && PBW_ZEROS(memory, s->first, range + 1);
 }
 
 static void pbwim__end_sorting(pbw_memory *memory, pbwim__sorting *s)
@@ -2301,34 +2303,80 @@ static void pbwim__end_sorting(pbw_memory *memory, pbwim__sorting *s)
     PBW_RELEASE(memory, s->first);
 }
 
-/* Sorts items.at[0] .. [count - 1] by a column, those of equal numbers in their order: by counting, linear for any
-   input. */
-static void pbwim__sort_by(pbwim__sorting *s, size_t count, int column)
+static int pbwim__compare_owners(const pbwim__facet *x, const pbwim__facet *y)
 {
-    const size_t range = s->first.capacity - 2;
-    const pbwim__facets swap = s->items;
-    size_t *first = s->first.at, i;
-    memset(first, 0, (range + 1) * sizeof *first);
-    for (i = 0; i < count; i++) {
-        first[s->items.at[i].v[column] + 1]++;
+    return x->t != y->t ? (x->t > y->t) - (x->t < y->t) : x->i - y->i;
+}
+
+static int pbwim__compare_pairs(const void *a, const void *b)
+{
+    const pbwim__facet *x = (const pbwim__facet *)a, *y = (const pbwim__facet *)b;
+    return x->v[1] != y->v[1] ? (x->v[1] > y->v[1]) - (x->v[1] < y->v[1]) : pbwim__compare_owners(x, y);
+}
+
+static int pbwim__compare_triples(const void *a, const void *b)
+{
+    const pbwim__facet *x = (const pbwim__facet *)a, *y = (const pbwim__facet *)b;
+    return x->v[1] != y->v[1] || x->v[2] == y->v[2] ? pbwim__compare_pairs(a, b)
+         : (x->v[2] > y->v[2]) - (x->v[2] < y->v[2]);
+}
+
+static pbw_status pbwim__count_items(void *arg, size_t from, size_t to)
+{
+    const pbwim__sorting *s = (const pbwim__sorting *)arg;
+    for (; from < to; from++) {
+        (void)PBW_ATOMIC_ADD(&s->first.at[s->items.at[from].v[0] + 1], 1);
     }
+    return PBW_OK;
+}
+
+static pbw_status pbwim__place_items(void *arg, size_t from, size_t to)
+{
+    const pbwim__sorting *s = (const pbwim__sorting *)arg;
+    for (; from < to; from++) {
+        const size_t at = PBW_ATOMIC_ADD(&s->first.at[s->items.at[from].v[0]], 1);
+        s->other.at[at] = s->items.at[from];
+    }
+    return PBW_OK;
+}
+
+/* Sorts the items of each of these numbers: threads may have placed them in any order. */
+static pbw_status pbwim__sort_items(void *arg, size_t from, size_t to)
+{
+    const pbwim__sorting *s = (const pbwim__sorting *)arg;
+    for (; from < to; from++) {
+        const size_t begin = from > 0 ? s->first.at[from - 1] : 0, count = s->first.at[from] - begin;
+        pbwim__facet *item = s->other.at + begin;
+        size_t i, k;
+        if (count > 64) {
+            qsort(item, count, sizeof *item, s->compare);
+            continue;
+        }
+        for (i = 1; i < count; i++) {
+            const pbwim__facet moving = item[i];
+            for (k = i; k > 0 && s->compare(&moving, item + k - 1) < 0; k--) {
+                item[k] = item[k - 1];
+            }
+            item[k] = moving;
+        }
+    }
+    return PBW_OK;
+}
+
+/* Sorts items.at[0] .. [count - 1] by their first 2 or 3 columns, those of equal numbers by t, then i.  Returns the
+   items, NULL if there is no memory. */
+static pbwim__facet *pbwim__sort(const pbw_options *options, pbwim__sorting *s, size_t count, int columns)
+{
+    const size_t range = s->first.count - 1;
+    size_t *first = s->first.at, i;
+    pbw_status status = pbw_for(options, count, PBWIM__SLICE, pbwim__count_items, s);
     for (i = 0; i < range; i++) {
         first[i + 1] += first[i];
     }
-    for (i = 0; i < count; i++) {
-        s->other.at[first[s->items.at[i].v[column]]++] = s->items.at[i];
-    }
-    s->items = s->other;
-    s->other = swap;
-}
-
-/* Sorts by columns 0 .. columns-1.  Returns the items. */
-static pbwim__facet *pbwim__sort(pbwim__sorting *s, size_t count, int columns)
-{
-    while (columns > 0) {
-        pbwim__sort_by(s, count, --columns);
-    }
-    return s->items.at;
+    s->compare = columns == 2 ? pbwim__compare_pairs : pbwim__compare_triples;
+    status = status != PBW_OK ? status : pbw_for(options, count, PBWIM__SLICE, pbwim__place_items, s);
+    status = status != PBW_OK ? status : pbw_for(options, range, PBWIM__SLICE, pbwim__sort_items, s);
+    return status == PBW_OK ? s->other.at : NULL;
 }
 
 /* Returns whether t sees the corners of its facet i, in ascending order, counter-clockwise. */
@@ -2728,6 +2776,7 @@ static pbw_status pbwim__set_marks(pbwim__linking *k, const pbw_tets *in, double
     pbwim__mesh *m = k->m;
     pbwim__bounding b = { m, NULL, NULL, NULL };
     pbwim__facet *edges;
+    pbw_options inner;
     size_t facets, i;
     pbw_status status = pbwim__for(m, m->tets, PBWIM__SLICE, pbwim__count_boundary, m);
     if (status != PBW_OK) {
@@ -2748,7 +2797,11 @@ static pbw_status pbwim__set_marks(pbwim__linking *k, const pbw_tets *in, double
         unsigned char *mark = m->mark.at + b.triangles[i];
         *mark = *mark == PBW_TETS_FOUND ? PBW_TETS_SLIDES : *mark;
     }
-    edges = pbwim__sort(sorting, 3 * facets, 2);
+    inner = pbwim__inner_options(m->options, &m->memory);
+    edges = pbwim__sort(&inner, sorting, 3 * facets, 2);
+    if (edges == NULL) {
+        return PBW_ERROR_MEMORY;
+    }
     pbwim__fix_features(m, edges, 3 * facets, cosine, 0);
     status = pbwim__for(m, m->points, PBWIM__SLICE, pbwim__fix_joints, k);
     if (status == PBW_OK && k->joints) {
@@ -2770,7 +2823,7 @@ static pbw_status pbwim__set_marks(pbwim__linking *k, const pbw_tets *in, double
     }
     status = pbwim__load_edges(m, in);
     if (status == PBW_OK && m->project == NULL) {
-        const pbw_options inner = pbwim__inner_options(m->options, &m->memory);
+        inner = pbwim__inner_options(m->options, &m->memory);
         m->project = pbwim__to_surface;
         m->project_user = &m->surface;
         status = pbw_surface_create(in->points, in->point_count, m->facets.at, facets, &inner,
@@ -4148,8 +4201,10 @@ static pbw_status pbwim__close_gaps(pbwim__mesh *m)
     b.facets = sorting.items.at;
     status = status != PBW_OK ? status : pbwim__for(m, m->tets, PBWIM__SLICE, pbwim__list_boundary, &b);
     if (status == PBW_OK) {
-        const pbwim__facet *f = pbwim__sort(&sorting, count, 3);
-        for (i = 0; i + 1 < count; i++, f++) {
+        const pbw_options inner = pbwim__inner_options(m->options, &m->memory);
+        const pbwim__facet *f = pbwim__sort(&inner, &sorting, count, 3);
+        status = f != NULL ? PBW_OK : PBW_ERROR_MEMORY;
+        for (i = 0; f != NULL && i + 1 < count; i++, f++) {
             if (memcmp(f->v, f[1].v, sizeof f->v) == 0
                 && pbwim__facet_parity(m, f->t, f->i) != pbwim__facet_parity(m, f[1].t, f[1].i)) {
                 m->next.at[f->t][f->i] = f[1].t;

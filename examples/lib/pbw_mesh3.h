@@ -337,7 +337,6 @@ typedef struct pbwm3__work {
     double from, to;                       /* progress: the present stage's part of 0 to 1 */
     double begin, end;                     /* and the part of this attempt in all */
     double done;                           /* what was reported last */
-    size_t spread;                         /* parts of areas since then */
     int timed, late, cancelled;            /* timed: the stage ends at the deadline; late: it has; cancelled: by the
                                               caller */
     double size, distance, cosine, low[3], high[3];
@@ -465,6 +464,72 @@ static const pbw_options *pbwm3__inner_options(pbwm3__work *w)
     w->options.progress = pbwm3__inner_progress;
     w->options.progress_user = w;
     return &w->options;
+}
+
+/* A loop on all threads, too short for progress.  Returns 0 if there is no memory. */
+static int pbwm3__for(pbwm3__work *w, size_t count, size_t grain, pbw_body *body, void *arg)
+{
+    pbw_options options = *pbwm3__inner_options(w);
+    options.progress = NULL;
+    return pbw_for(&options, count, grain, body, arg) == PBW_OK;
+}
+
+/* ---- lists that threads make, in order: each item gives some entries, which are counted, then written ---- */
+
+enum { PBWM3__SLICE = 4096 };              /* items of one range */
+#define PBWM3__COUNTS ((size_t)-1)
+
+/* Writes the entries of an item, from number `at` on, unless that is PBWM3__COUNTS.  Returns how many it has. */
+typedef size_t pbwm3__lister(void *lists, size_t item, size_t at);
+
+typedef struct pbwm3__listing {
+    pbwm3__lister *lister;
+    void *lists;                           /* what the lister needs */
+    size_t items;
+    pbwsf__counts first;                   /* per slice: how many entries it has, then the number of its first */
+    int writes;
+} pbwm3__listing;
+
+static pbw_status pbwm3__list_range(void *arg, size_t from, size_t to)
+{
+    const pbwm3__listing *l = (const pbwm3__listing *)arg;
+    size_t *first = l->first.at + from / PBWM3__SLICE, sum = 0;
+    for (; from < to; from++) {
+        sum += l->lister(l->lists, from, l->writes ? *first + sum : PBWM3__COUNTS);
+    }
+    *first = l->writes ? *first : sum;
+    return PBW_OK;
+}
+
+/* Counts the entries.  Returns 0 if there is no memory; *total: how many. */
+static int pbwm3__count_list(pbwm3__work *w, size_t items, pbwm3__lister *lister, void *lists, pbwm3__listing *l,
+                             size_t *total)
+{
+    size_t i, sum = 0;
+    memset(l, 0, sizeof *l);
+    l->lister = lister;
+    l->lists = lists;
+    l->items = items;
+    if (!PBW_ZEROS(&w->memory, l->first, items / PBWM3__SLICE + 1)
+        || !pbwm3__for(w, items, PBWM3__SLICE, pbwm3__list_range, l)) {
+        return 0;
+    }
+    for (i = 0; i < l->first.count; i++) {
+        const size_t here = l->first.at[i];
+        l->first.at[i] = sum;
+        sum += here;
+    }
+    l->writes = 1;
+    *total = sum;
+    return 1;
+}
+
+/* Writes the entries, if there is room for them, and ends the list.  Returns 0 if not. */
+static int pbwm3__write_list(pbwm3__work *w, pbwm3__listing *l, int room)
+{
+    const int good = room && pbwm3__for(w, l->items, PBWM3__SLICE, pbwm3__list_range, l);
+    PBW_RELEASE(&w->memory, l->first);
+    return good;
 }
 
 /* Makes a surface, which counts as held until it is dropped. */
@@ -700,7 +765,10 @@ typedef struct pbwm3__grid {
     size_t n[3];                           /* nodes along the axes */
     double step;
     pbwsf__numbers value;                  /* per node */
-    pbwsf__indices crossing;               /* per node and direction 1..7, the vertex on that edge */
+    pbwsf__flags crossed;                  /* per node: 1, the surface crosses the cube that it is the first of */
+    size_t window;                         /* nodes of two layers */
+    pbwsf__indices crossing;               /* per node of the window and direction 1..7, the last vertex that was put
+                                              on such an edge */
     PBW_ARRAY(pbwm3__nodes) ends;          /* of each vertex: the nodes of its edge, that below zero first */
 } pbwm3__grid;
 
@@ -725,12 +793,16 @@ static void pbwm3__root(const pbw_solid_input *in, const double a[3], const doub
 /* The vertex on the edge between nodes a and b = a + direction; PBW_NONE if there is no memory. */
 static pbw_index pbwm3__cross_edge(pbwm3__work *w, pbwm3__grid *g, size_t a, size_t b, int direction)
 {
-    pbw_index *vertex = g->crossing.at + 7 * a + (size_t)(direction - 1);
+    pbw_index *vertex = g->crossing.at + 7 * (a % g->window) + (size_t)(direction - 1);
     const double *value = g->value.at;
     const size_t ends[2] = { value[a] < 0 ? a : b, value[a] < 0 ? b : a };
-    if (*vertex == PBW_NONE && g->ends.count < PBW_NONE / 8 && PBWM3__APPEND(w, g->ends, ends)) {
-        *vertex = (pbw_index)(g->ends.count - 1);
+    if (*vertex < g->ends.count && memcmp(g->ends.at[*vertex], ends, sizeof ends) == 0) {
+        return *vertex;
     }
+    if (g->ends.count >= PBW_NONE / 8 || !PBWM3__APPEND(w, g->ends, ends)) {
+        return PBW_NONE;
+    }
+    *vertex = (pbw_index)(g->ends.count - 1);
     return *vertex;
 }
 
@@ -767,20 +839,21 @@ static int pbwm3__cross_tet(pbwm3__work *w, pbwm3__grid *g, const size_t node[4]
     return 1;
 }
 
+/* Corner i of the cube that a node is the first of. */
+static size_t pbwm3__cube_corner(const pbwm3__grid *g, size_t node, int i)
+{
+    return node + (size_t)(i & 1) + (size_t)(i >> 1 & 1) * g->n[0] + (size_t)(i >> 2) * g->n[0] * g->n[1];
+}
+
 static int pbwm3__cross_cube(pbwm3__work *w, pbwm3__grid *g, size_t node)
 {
     static const int path[6][4] = { { 0, 1, 3, 7 }, { 0, 1, 5, 7 }, { 0, 2, 3, 7 }, { 0, 2, 6, 7 }, { 0, 4, 5, 7 },
                                     { 0, 4, 6, 7 } };
-    const double *value = g->value.at;
-    size_t corner[8], tet[4];
-    int i, k, below = 0;
-    for (i = 0; i < 8; i++) {
-        corner[i] = node + (size_t)(i & 1) + (size_t)(i >> 1 & 1) * g->n[0] + (size_t)(i >> 2) * g->n[0] * g->n[1];
-        below += value[corner[i]] < 0;
-    }
-    for (i = 0; i < 6 && below > 0 && below < 8; i++) {
+    size_t tet[4];
+    int i, k;
+    for (i = 0; i < 6; i++) {
         for (k = 0; k < 4; k++) {
-            tet[k] = corner[path[i][k]];
+            tet[k] = pbwm3__cube_corner(g, node, path[i][k]);
         }
         if (!pbwm3__cross_tet(w, g, tet, path[i])) {
             return 0;
@@ -798,6 +871,22 @@ static pbw_status pbwm3__value_range(void *arg, size_t from, size_t to)
         double p[3];
         pbwm3__node(g->w, g, i, p);
         g->value.at[i] = in->value(in->value_user, p);
+    }
+    return PBW_OK;
+}
+
+static pbw_status pbwm3__crossed_range(void *arg, size_t from, size_t to)
+{
+    const pbwm3__grid *g = (const pbwm3__grid *)arg;
+    for (; from < to; from++) {
+        int i, below = 0;
+        if (from % g->n[0] + 1 < g->n[0] && from / g->n[0] % g->n[1] + 1 < g->n[1]
+            && from / g->n[0] / g->n[1] + 1 < g->n[2]) {
+            for (i = 0; i < 8; i++) {
+                below += g->value.at[pbwm3__cube_corner(g, from, i)] < 0;
+            }
+        }
+        g->crossed.at[from] = below > 0 && below < 8;
     }
     return PBW_OK;
 }
@@ -830,14 +919,14 @@ static pbw_status pbwm3__take_function(pbwm3__work *w)
         g.n[k] = (size_t)ceil((w->high[k] - w->low[k]) / g.step) + 1;
         nodes *= g.n[k];
     }
-    if (PBW_FIT(&w->memory, g.value, nodes)
-        && PBW_FIT(&w->memory, g.crossing, 7 * nodes)) {
-        memset(g.crossing.at, 0xff, 7 * nodes * sizeof(pbw_index));
+    g.window = 2 * g.n[0] * g.n[1];
+    if (PBW_FIT(&w->memory, g.value, nodes) && PBW_FIT(&w->memory, g.crossed, nodes)
+        && PBW_ZEROS(&w->memory, g.crossing, 7 * g.window)) {
         status = pbw_for(pbwm3__inner_options(w), nodes, 1024, pbwm3__value_range, &g);
+        status = status != PBW_OK ? status
+               : pbw_for(pbwm3__inner_options(w), nodes, PBWM3__SLICE, pbwm3__crossed_range, &g);
         for (i = 0; i < nodes && status == PBW_OK; i++) {
-            if (i % g.n[0] + 1 < g.n[0] && i / g.n[0] % g.n[1] + 1 < g.n[1] && i / g.n[0] / g.n[1] + 1 < g.n[2]) {
-                status = pbwm3__cross_cube(w, &g, i) ? PBW_OK : PBW_ERROR_MEMORY;
-            }
+            status = !g.crossed.at[i] || pbwm3__cross_cube(w, &g, i) ? PBW_OK : PBW_ERROR_MEMORY;
         }
     }
     if (status == PBW_OK && !PBW_FIT(&w->memory, w->vertices, g.ends.count + 1)) {
@@ -848,32 +937,47 @@ static pbw_status pbwm3__take_function(pbwm3__work *w)
         status = pbw_for(pbwm3__inner_options(w), g.ends.count, 128, pbwm3__root_range, &g);
     }
     PBW_RELEASE(&w->memory, g.value);
+    PBW_RELEASE(&w->memory, g.crossed);
     PBW_RELEASE(&w->memory, g.crossing);
     PBW_RELEASE(&w->memory, g.ends);
     return status;
 }
 
+typedef struct pbwm3__edging { const pbw_index *triangles; pbwim__facet *edge; } pbwm3__edging;
+
+static pbw_status pbwm3__edge_range(void *arg, size_t from, size_t to)
+{
+    const pbwm3__edging *edging = (const pbwm3__edging *)arg;
+    const pbw_index *triangles = edging->triangles;
+    for (; from < to; from++) {
+        const pbw_index a = triangles[from], b = triangles[from / 3 * 3 + (from + 1) % 3];
+        pbwim__facet *edge = edging->edge + from;
+        edge->v[0] = a < b ? a : b;
+        edge->v[1] = a < b ? b : a;
+        edge->v[2] = a < b;
+        edge->t = (pbw_index)(from / 3);
+        edge->i = (int)(from % 3);
+    }
+    return PBW_OK;
+}
+
 /* Returns edges, sorted: v[0] < v[1], v[2] whether the triangle t has them upwards, i its corner that starts it.
    NULL: no memory. */
-static pbwim__facet *pbwm3__edges(pbw_memory *memory, const pbw_index *triangles, size_t count, size_t points,
+static pbwim__facet *pbwm3__edges(pbwm3__work *w, const pbw_index *triangles, size_t count, size_t points,
                                   pbwim__sorting *sorting)
 {
-    pbwim__facet *edge;
-    size_t i;
+    pbwm3__edging edging;
+    pbw_options options;
     memset(sorting, 0, sizeof *sorting);
-    if (!pbwim__begin_sorting(memory, sorting, 3 * count, points)) {
+    if (!pbwim__begin_sorting(&w->memory, sorting, 3 * count, points)) {
         return NULL;
     }
-    edge = sorting->items.at;
-    for (i = 0; i < 3 * count; i++) {
-        const pbw_index a = triangles[i], b = triangles[i / 3 * 3 + (i + 1) % 3];
-        edge[i].v[0] = a < b ? a : b;
-        edge[i].v[1] = a < b ? b : a;
-        edge[i].v[2] = a < b;
-        edge[i].t = (pbw_index)(i / 3);
-        edge[i].i = (int)(i % 3);
-    }
-    return pbwim__sort(sorting, 3 * count, 2);
+    edging.triangles = triangles;
+    edging.edge = sorting->items.at;
+    options = *pbwm3__inner_options(w);
+    options.progress = NULL;
+    return pbwm3__for(w, 3 * count, PBWM3__SLICE, pbwm3__edge_range, &edging)
+         ? pbwim__sort(&options, sorting, 3 * count, 2) : NULL;
 }
 
 /* Starts union-find trees of single items. */
@@ -938,7 +1042,7 @@ static int pbwm3__join_shells(pbwm3__work *w, const pbwm3__orientation *trees, p
 {
     const size_t count = 3 * w->triangles.count;
     pbwim__sorting sorting;
-    const pbwim__facet *edge = pbwm3__edges(&w->memory, (const pbw_index *)w->triangles.at, w->triangles.count,
+    const pbwim__facet *edge = pbwm3__edges(w, (const pbw_index *)w->triangles.at, w->triangles.count,
                                             w->vertices.count, &sorting);
     size_t i, k;
     int good = edge != NULL;
@@ -1245,6 +1349,7 @@ static int pbwm3__drop_doubles(pbwm3__work *w)
     pbwim__sorting sorting;
     pbwsf__flags gone = { NULL, 0, 0 };
     pbwim__facet *facet;
+    pbw_options options;
     size_t i, kept = 0;
     int good;
     memset(&sorting, 0, sizeof sorting);
@@ -1255,9 +1360,13 @@ static int pbwm3__drop_doubles(pbwm3__work *w)
         memcpy(facet[i].v, w->triangles.at[i], sizeof facet[i].v);
         pbwim__sort3(facet[i].v);
         facet[i].t = (pbw_index)i;
+        facet[i].i = 0;
         gone.at[i] = 0;
     }
-    facet = good ? pbwim__sort(&sorting, count, 3) : NULL;
+    options = *pbwm3__inner_options(w);
+    options.progress = NULL;
+    facet = good ? pbwim__sort(&options, &sorting, count, 3) : NULL;
+    good = facet != NULL;
     for (i = 1; good && i < count; i++) {            /* of equal ones, the first comes first */
         gone.at[facet[i].t] = memcmp(facet[i].v, facet[i - 1].v, sizeof facet[i].v) == 0;
     }
@@ -1317,7 +1426,7 @@ static int pbwm3__join_sides(pbwm3__work *w, size_t *parent)
     pbwsf__vector *x = w->vertices.at;
     pbwim__sorting sorting;
     PBW_ARRAY(pbwm3__radial) room = { NULL, 0, 0 };
-    const pbwim__facet *edge = pbwm3__edges(&w->memory, corner[0], triangles, w->vertices.count, &sorting);
+    const pbwim__facet *edge = pbwm3__edges(w, corner[0], triangles, w->vertices.count, &sorting);
     size_t i, k, j;
     int good = edge != NULL;
     for (i = 0; good && i < count; i = k) {
@@ -1632,23 +1741,14 @@ static int pbwm3__inside(const pbwm3__work *w, const double p[3])
          : w->nested ? (int)fmin(turns + 0.5, 255) : turns > 0.5;
 }
 
-/* Moves p to the surface, and returns the patch that it is on; of a function, along the triangles' direction there to
-   its zero. */
-static size_t pbwm3__to_surface(const pbwm3__work *w, double p[3])
+/* Moves p to the zero of the function, along its gradients: Newton's method, in steps of at most half a size. */
+static void pbwm3__to_zero(const pbwm3__work *w, double p[3])
 {
-    const pbw_index *patch = w->patch.at;
     const pbw_solid_input *in = w->input;
-    double place[3], a[3], b[3], n[3], h = 1e-4 * w->size;
-    pbw_index t;
+    const double h = 1e-4 * w->size;
+    double a[3], b[3], n[3];
     int k, i;
-    if (in->value == NULL) {
-        t = pbw_surface_closest(&w->surface, p, HUGE_VAL, place);
-        if (t != PBW_NONE) {
-            memcpy(p, place, sizeof place);
-        }
-        return t != PBW_NONE ? patch[t] : 0;
-    }
-    for (i = 0; i < 8; i++) {                        /* Newton's method along the gradient, steps of half a size */
+    for (i = 0; i < 8; i++) {
         const double value = in->value(in->value_user, p);
         double square, step;
         for (k = 0; k < 3; k++) {
@@ -1667,11 +1767,29 @@ static size_t pbwm3__to_surface(const pbwm3__work *w, double p[3])
             p[k] -= step * n[k];
         }
     }
-    t = pbw_surface_closest(&w->surface, p, HUGE_VAL, place);
-    if (t == PBW_NONE || !(pbwsf__distance(p, place) < w->size)) {       /* Newton's method diverged */
+}
+
+/* Returns the patch at p; moves p to the triangles, of a function only if its zero is farther than a size. */
+static size_t pbwm3__to_patch(const pbwm3__work *w, double p[3])
+{
+    double place[3];
+    const pbw_index t = pbw_surface_closest(&w->surface, p, HUGE_VAL, place);
+    if (t == PBW_NONE) {
+        return 0;
+    }
+    if (w->input->value == NULL || !(pbwsf__distance(p, place) < w->size)) {     /* Newton's method diverged */
         memcpy(p, place, sizeof place);
     }
-    return t != PBW_NONE ? patch[t] : 0;
+    return w->patch.at[t];
+}
+
+/* Moves p to the surface, and returns the patch that it is on. */
+static size_t pbwm3__to_surface(const pbwm3__work *w, double p[3])
+{
+    if (w->input->value != NULL) {
+        pbwm3__to_zero(w, p);
+    }
+    return pbwm3__to_patch(w, p);
 }
 
 static void pbwm3__project(void *user, double p[3])
@@ -2501,7 +2619,7 @@ static int pbwm3__keep_sharp(pbwm3__work *w, const pbwim__facet *edge, size_t co
 static int pbwm3__find_sharp(pbwm3__work *w, pbwsf__pairs *list, size_t *parent)
 {
     pbwim__sorting sorting;
-    const pbwim__facet *edge = pbwm3__edges(&w->memory, w->surface.triangles, w->surface.triangle_count,
+    const pbwim__facet *edge = pbwm3__edges(w, w->surface.triangles, w->surface.triangle_count,
                                             w->surface.point_count, &sorting);
     const size_t count = 3 * w->surface.triangle_count;
     pbwm3__features f;
@@ -2849,9 +2967,9 @@ static void pbwm3__grade(pbwm3__work *w)
 
 typedef struct pbwm3__curvature { double area, tensor[6]; } pbwm3__curvature;  /* sums over a cell of the field */
 
-/* Adds parts of a triangle's area, of at most half a size, to the cells that they are in, unless cell is NULL.
-   Returns its area in squares of the local sizes; reports progress. */
-static double pbwm3__spread_area(pbwm3__work *w, pbw_index t, pbwm3__curvature *cell)
+/* Adds parts of a triangle's area, of at most half a size, to the cells that they are in, unless cell is NULL, and
+   their number to *spread.  Returns its area in squares of the local sizes. */
+static double pbwm3__spread_area(const pbwm3__work *w, pbw_index t, pbwm3__curvature *cell, size_t *spread)
 {
     const double *c[3];
     double n[3], longest = 0, p[3], size, squares = 0;
@@ -2877,11 +2995,7 @@ static double pbwm3__spread_area(pbwm3__work *w, pbw_index t, pbwm3__curvature *
             squares += 0.5 * sqrt(pbwsf__dot(n, n)) / (double)(parts * parts) / (size * size);
         }
     }
-    w->spread += parts * parts;
-    if (w->spread > 16384) {
-        w->spread = 0;
-        (void)pbwm3__ends(w);
-    }
+    *spread += parts * parts;
     return squares;
 }
 
@@ -2919,10 +3033,10 @@ static int pbwm3__measure_curvature(pbwm3__work *w)
     pbwim__sorting sorting;
     PBW_ARRAY(pbwm3__curvature) sums = { NULL, 0, 0 };
     const size_t count = 3 * w->surface.triangle_count, total = w->n[0] * w->n[1] * w->n[2];
-    const pbwim__facet *edge = pbwm3__edges(&w->memory, w->surface.triangles, w->surface.triangle_count,
+    const pbwim__facet *edge = pbwm3__edges(w, w->surface.triangles, w->surface.triangle_count,
                                             w->surface.point_count, &sorting);
     pbwm3__curvature *cell;
-    size_t i, k;
+    size_t i, k, spread = 0;
     int good;
     good = edge != NULL && PBW_FIT(&w->memory, sums, total);
     cell = sums.at;
@@ -2930,7 +3044,11 @@ static int pbwm3__measure_curvature(pbwm3__work *w)
         memset(cell, 0, total * sizeof *cell);
     }
     for (i = 0; good && i < w->surface.triangle_count && !pbwm3__has_ended(w); i++) {
-        (void)pbwm3__spread_area(w, (pbw_index)i, cell);
+        (void)pbwm3__spread_area(w, (pbw_index)i, cell, &spread);
+        if (spread > 16384) {
+            spread = 0;
+            (void)pbwm3__ends(w);
+        }
     }
     for (i = 0; good && i < count; i = k) {
         for (k = i + 1; k < count && memcmp(edge[i].v, edge[k].v, 2 * sizeof(pbw_index)) == 0; k++) {
@@ -3117,20 +3235,50 @@ static pbw_status pbwm3__measure_gaps(pbwm3__work *w)
     return status;
 }
 
+enum { PBWM3__AREAS = 256 };               /* triangles of a slice */
+
+typedef struct pbwm3__area { double plain, squares; } pbwm3__area;     /* of a slice; in squares of local sizes */
+
+typedef struct pbwm3__areas { const pbwm3__work *w; pbwm3__area *slice; } pbwm3__areas;
+
+static pbw_status pbwm3__area_range(void *arg, size_t from, size_t to)
+{
+    const pbwm3__areas *areas = (const pbwm3__areas *)arg;
+    pbwm3__area sum = { 0, 0 };
+    const size_t slice = from / PBWM3__AREAS;
+    size_t spread = 0;
+    for (; from < to; from++) {
+        double n[3];
+        pbwsf__normal_of(&areas->w->surface, (pbw_index)from, n);
+        sum.plain += sqrt(pbwsf__dot(n, n)) / 2;
+        sum.squares += pbwm3__spread_area(areas->w, (pbw_index)from, NULL, &spread);
+    }
+    areas->slice[slice] = sum;
+    return PBW_OK;
+}
+
 /* Estimates the number of tetrahedra.  With volume V, area A and size h, a ball or a box of 10^4 to 10^6 tetrahedra
    has about 5 V / h^3 + 8 A / h^2 of them; local sizes concern the area, as they are small at walls. */
 static pbw_status pbwm3__estimate(pbwm3__work *w)
 {
     pbw_solid_report *r = w->report;
-    double squares = 0, area = 0, n[3];
+    const size_t count = w->surface.triangle_count;
+    PBW_ARRAY(pbwm3__area) slices = { NULL, 0, 0 };
+    pbwm3__areas areas = { w, NULL };
+    pbw_status status = PBW_ERROR_MEMORY;
+    double squares = 0, area = 0;
     size_t i;
-    for (i = 0; i < w->surface.triangle_count; i++) {
-        pbwsf__normal_of(&w->surface, (pbw_index)i, n);
-        area += sqrt(pbwsf__dot(n, n)) / 2;
-        squares += pbwm3__spread_area(w, (pbw_index)i, NULL);
-        if (pbwm3__has_ended(w)) {
-            return PBW_CANCELLED;
-        }
+    if (PBW_FIT(&w->memory, slices, count / PBWM3__AREAS + 1)) {
+        areas.slice = slices.at;
+        status = pbw_for(pbwm3__inner_options(w), count, PBWM3__AREAS, pbwm3__area_range, &areas);
+    }
+    for (i = 0; i * PBWM3__AREAS < count && status == PBW_OK; i++) {
+        area += slices.at[i].plain;
+        squares += slices.at[i].squares;
+    }
+    PBW_RELEASE(&w->memory, slices);
+    if (status != PBW_OK) {
+        return status;
     }
     w->mean = squares > 0 ? fmax(w->least, sqrt(area / squares)) : w->size;
     r->estimate = 5 * fabs(r->input_volume) / w->size / w->size / w->size + 8 * squares;
@@ -3299,6 +3447,9 @@ static pbw_status pbwm3__sample_sharp(pbwm3__work *w)
     size_t i;
     int good;
     memset(&stars, 0, sizeof stars);
+    if (w->chains.count == 0) {
+        return PBW_OK;
+    }
     good = pbwm3__make_stars(w, &stars)
         && PBW_FIT(&w->memory, corner, w->surface.point_count + 1);
     if (good) {
@@ -3346,9 +3497,15 @@ static void pbwm3__throw_dart(const pbwm3__throw *b, uint64_t i, pbwm3__dart *da
     }
     size = pbwm3__size(w, dart->p);
     dart->stays = !(size > w->least && pbwm3__random(~i) * size * size > w->least * w->least);
+    if (dart->stays && w->input->value != NULL) {
+        double from[3];
+        memcpy(from, dart->p, sizeof from);
+        pbwm3__to_zero(w, dart->p);                  /* the surface is at most that far: most darts end here */
+        dart->stays = !(pbwsf__distance(from, dart->p) < 0.9 * w->size
+                        && pbwm3__has_near(w, dart->p, 0.65 * size, PBWM3__SHARP, PBWM3__SMOOTH));
+    }
     if (dart->stays) {
-        dart->patch = w->input->value != NULL ? (pbw_index)pbwm3__to_surface(w, dart->p)
-                    : w->patch.at[low];
+        dart->patch = w->input->value != NULL ? (pbw_index)pbwm3__to_patch(w, dart->p) : w->patch.at[low];
         dart->size = size;
         dart->stays = !pbwm3__has_near(w, dart->p, 0.65 * size, PBWM3__SHARP, PBWM3__SMOOTH);
     }
@@ -3455,7 +3612,7 @@ static pbw_status pbwm3__lattice_range(void *arg, size_t from, size_t to)
     memset(l->inside + from, 0, to - from);
     for (i = l->first + from; i < l->first + to; i++) {
         const size_t x = i % l->n[0], y = i / l->n[0] % l->n[1], z = i / l->n[0] / l->n[1];
-        double p[3], place[3], size;
+        double p[3], size;
         if (((x ^ y) & 1) != 0 || ((y ^ z) & 1) != 0) {
             continue;
         }
@@ -3467,7 +3624,7 @@ static pbw_status pbwm3__lattice_range(void *arg, size_t from, size_t to)
         }
         size = pbwm3__size(w, p);
         l->inside[i - l->first] = l->level == (int)floor(log2(w->size / size) + 0.5) && pbwm3__inside(w, p)
-                               && pbw_surface_closest(&w->surface, p, 0.55 * size, place) == PBW_NONE;
+                               && !pbwsf__is_near(&w->surface, p, 0.55 * size);
     }
     return PBW_OK;
 }
@@ -3561,7 +3718,7 @@ static void pbwm3__circumcentre(const double *const c[4], double out[3])
 static int pbwm3__is_flat(const pbwm3__work *w, const pbw_index c[4], int bridge)
 {
     const double *p[4];
-    double middle[3] = { 0, 0, 0 }, place[3], longest = 0, size;
+    double middle[3] = { 0, 0, 0 }, longest = 0, size;
     pbwim__shape shape;
     int i, k;
     for (i = 0; i < 4; i++) {
@@ -3588,11 +3745,11 @@ static int pbwm3__is_flat(const pbwm3__work *w, const pbw_index c[4], int bridge
         double half[3];
         pbwsf__between(p[pbwim__edge[i][0]], p[pbwim__edge[i][1]], 0.5, half);
         if (pbwsf__distance(p[pbwim__edge[i][0]], p[pbwim__edge[i][1]]) > 2.2 * size
-            || pbw_surface_closest(&w->surface, half, 0.16 * size, place) == PBW_NONE) {
+            || !pbwsf__is_near(&w->surface, half, 0.16 * size)) {
             return 0;
         }
     }
-    return pbw_surface_closest(&w->surface, middle, 0.16 * size, place) != PBW_NONE;
+    return pbwsf__is_near(&w->surface, middle, 0.16 * size);
 }
 
 /* Returns whether a tetrahedron's corners are all on the surface but on no common patch, or some where shells cross,
@@ -3745,43 +3902,76 @@ static size_t pbwm3__hash_corners(const pbw_index c[4], size_t places)
     return (size_t)(key ^ key >> 31) & (places - 1);
 }
 
+typedef struct pbwm3__matching {
+    pbwm3__work *w;
+    pbw_index *table;                      /* tetrahedra of the last triangulation, by their corners */
+    size_t places;
+} pbwm3__matching;
+
+static pbw_status pbwm3__clear_range(void *arg, size_t from, size_t to)
+{
+    memset(((pbwm3__matching *)arg)->table + from, 0xff, (to - from) * sizeof(pbw_index));
+    return PBW_OK;
+}
+
+static pbw_status pbwm3__enter_range(void *arg, size_t from, size_t to)
+{
+    const pbwm3__matching *match = (const pbwm3__matching *)arg;
+    const pbw_index *corners = match->w->last.mesh.simplices;
+    for (; from < to; from++) {
+        size_t at = pbwm3__hash_corners(corners + 4 * from, match->places);
+        pbw_index old = PBW_NONE;
+        while (!PBW_ATOMIC_CAS(&match->table[at], &old, (pbw_index)from)) {
+            at = old == PBW_NONE ? at : (at + 1) & (match->places - 1);      /* else it failed for no reason */
+            old = PBW_NONE;
+        }
+    }
+    return PBW_OK;
+}
+
+static pbw_status pbwm3__match_range(void *arg, size_t from, size_t to)
+{
+    const pbwm3__matching *match = (const pbwm3__matching *)arg;
+    const pbwm3__work *w = match->w;
+    const pbw_index *last = w->last.mesh.simplices;
+    for (; from < to; from++) {
+        const pbw_index *c = w->now.mesh.simplices + 4 * from;
+        size_t at;
+        int i;
+        w->same.at[from] = PBW_NONE;
+        for (i = 0; i < 4 && !w->moved.at[c[i]]; i++) {
+        }
+        if (i < 4 || match->table == NULL) {
+            continue;
+        }
+        for (at = pbwm3__hash_corners(c, match->places); match->table[at] != PBW_NONE
+             && memcmp(last + 4 * (size_t)match->table[at], c, 4 * sizeof *c) != 0;
+             at = (at + 1) & (match->places - 1)) {
+        }
+        w->same.at[from] = match->table[at];
+    }
+    return PBW_OK;
+}
+
 /* Finds the tetrahedra of the last triangulation of which no corner has moved, in a hash table.  Their centres,
    labels and needs are what they were.  Where shells cross, labels depend on those of others.  Returns 0 without
    memory. */
 static int pbwm3__find_same(pbwm3__work *w)
 {
-    const pbw_mesh *last = &w->last.mesh, *now = &w->now.mesh;
-    const size_t tells = w->kinks ? 0 : last->simplex_count;
+    const size_t tells = w->kinks ? 0 : w->last.mesh.simplex_count, count = w->now.mesh.simplex_count;
     pbwsf__indices table = { NULL, 0, 0 };
-    size_t places = 16, t, at;
-    int good, i;
-    while (places < 2 * tells) {
-        places *= 2;
+    pbwm3__matching match = { w, NULL, 16 };
+    int good = PBW_FIT(&w->memory, w->same, count + 1);
+    while (match.places < 2 * tells) {
+        match.places *= 2;
     }
-    good = PBW_FIT(&w->memory, w->same, now->simplex_count + 1) && PBW_FIT(&w->memory, table, places);
-    if (good) {
-        memset(table.at, 0xff, places * sizeof *table.at);
+    if (good && tells > 0) {
+        good = PBW_FIT(&w->memory, table, match.places);
+        match.table = table.at;
+        good = good && pbwm3__for(w, match.places, 4 * PBWM3__SLICE, pbwm3__clear_range, &match)
+            && pbwm3__for(w, tells, PBWM3__SLICE, pbwm3__enter_range, &match);
     }
-    for (t = 0; good && t < tells; t++) {
-        for (at = pbwm3__hash_corners(last->simplices + 4 * t, places); table.at[at] != PBW_NONE;
-             at = (at + 1) & (places - 1)) {
-        }
-        table.at[at] = (pbw_index)t;
-    }
-    for (t = 0; good && t < now->simplex_count; t++) {
-        const pbw_index *c = now->simplices + 4 * t;
-        w->same.at[t] = PBW_NONE;
-        for (i = 0; i < 4 && !w->moved.at[c[i]]; i++) {
-        }
-        if (i < 4 || tells == 0) {
-            continue;
-        }
-        for (at = pbwm3__hash_corners(c, places); table.at[at] != PBW_NONE
-             && memcmp(last->simplices + 4 * (size_t)table.at[at], c, 4 * sizeof *c) != 0;
-             at = (at + 1) & (places - 1)) {
-        }
-        w->same.at[t] = table.at[at];
-    }
+    good = good && pbwm3__for(w, count, PBWM3__SLICE, pbwm3__match_range, &match);
     PBW_RELEASE(&w->memory, table);
     return good;
 }
@@ -3866,12 +4056,13 @@ static int pbwm3__join_fans(pbw_memory *memory, const pbwim__facet *edge, size_t
 }
 
 /* Examines a closed set of facets.  Returns 0 without memory. */
-static int pbwm3__examine(pbw_memory *memory, const pbw_index *facets, size_t count, size_t points,
+static int pbwm3__examine(pbwm3__work *w, const pbw_index *facets, size_t count, size_t points,
                           pbwm3__topology *top)
 {
+    pbw_memory *memory = &w->memory;
     pbwim__sorting sorting;
     pbwsf__counts parents = { NULL, 0, 0 };
-    const pbwim__facet *edge = pbwm3__edges(memory, facets, count, points, &sorting);
+    const pbwim__facet *edge = pbwm3__edges(w, facets, count, points, &sorting);
     unsigned char *flag;
     size_t i;
     int good;
@@ -3964,11 +4155,11 @@ static int pbwm3__examine_labels(pbwm3__work *w, pbwsf__triples *facets, const p
     size_t i;
     int good;
     if (!w->walls) {
-        return pbwm3__examine(&w->memory, facet, facets->count, points, top);
+        return pbwm3__examine(w, facet, facets->count, points, top);
     }
     memset(top, 0, sizeof *top);
     good = pbwm3__split_by_label(w, facets, labels, points, &owner)
-        && pbwm3__examine(&w->memory, facet, facets->count, owner.count, top)
+        && pbwm3__examine(w, facet, facets->count, owner.count, top)
         && PBW_ZEROS(&w->memory, flags, points + 1);
     if (good) {                                      /* back to points */
         for (i = 0; i < owner.count; i++) {
@@ -3991,28 +4182,52 @@ static int pbwm3__examine_labels(pbwm3__work *w, pbwsf__triples *facets, const p
     return good;
 }
 
+typedef struct pbwm3__bounding {
+    const pbwm3__work *w;
+    pbwsf__triple *facet;
+    int *label;
+    int both;                              /* 1: facets between two labels are listed for both, with labels */
+} pbwm3__bounding;
+
+static size_t pbwm3__list_facets(void *lists, size_t t, size_t at)
+{
+    const pbwm3__bounding *b = (const pbwm3__bounding *)lists;
+    const pbwm3__work *w = b->w;
+    const pbw_index *c = w->now.mesh.simplices + 4 * t;
+    const int label = w->now.label.at[t];
+    size_t count = 0;
+    int i;
+    for (i = 0; i < 4 && label; i++) {
+        const int other = pbwm3__label_of(w, w->now.mesh.neighbors[4 * t + (size_t)i]);
+        if (b->both ? other == label : other >= label) {
+            continue;
+        }
+        if (at != PBWM3__COUNTS) {
+            pbw_index *f = b->facet[at + count];
+            f[0] = c[pbwim__opposite[i][0]], f[1] = c[pbwim__opposite[i][2]], f[2] = c[pbwim__opposite[i][1]];
+            if (b->both) {
+                b->label[at + count] = label;
+            }
+        }
+        count++;
+    }
+    return count;
+}
+
 /* Lists the boundary's facets, outward, those between two labels once; with walls, if labels is not NULL, for both
    labels, and lists the labels too. */
 static int pbwm3__list_boundary(pbwm3__work *w, pbwsf__triples *facets, pbwm3__labels *labels)
 {
-    const int both = labels != NULL && w->walls;
-    size_t t;
-    int i;
-    facets->count = 0;
-    for (t = 0; t < w->now.mesh.simplex_count; t++) {
-        for (i = 0; i < 4 && w->now.label.at[t]; i++) {
-            const pbw_index *c = w->now.mesh.simplices + 4 * t;
-            const pbw_index f[3] = { c[pbwim__opposite[i][0]], c[pbwim__opposite[i][2]], c[pbwim__opposite[i][1]] };
-            const int label = w->now.label.at[t];
-            const int other = pbwm3__label_of(w, w->now.mesh.neighbors[4 * t + (size_t)i]);
-            if ((both ? other != label : other < label)
-                && (!PBWM3__APPEND(w, *facets, f)
-                    || (both && !PBW_PUSH(&w->memory, *labels, label)))) {
-                return 0;
-            }
-        }
-    }
-    return 1;
+    pbwm3__bounding b = { w, NULL, NULL, labels != NULL && w->walls };
+    pbwm3__listing listing;
+    size_t count = 0;
+    int good = pbwm3__count_list(w, w->now.mesh.simplex_count, pbwm3__list_facets, &b, &listing, &count)
+            && PBW_FIT(&w->memory, *facets, count + 1) && (!b.both || PBW_FIT(&w->memory, *labels, count + 1));
+    b.facet = facets->at;
+    b.label = b.both ? labels->at : NULL;
+    good = pbwm3__write_list(w, &listing, good);
+    facets->count = good ? count : 0;
+    return good;
 }
 
 /* ------------------------------------------------------------------------------------------------------
@@ -4023,8 +4238,7 @@ static int pbwm3__list_boundary(pbwm3__work *w, pbwsf__triples *facets, pbwm3__l
 
 static int pbwm3__is_near_surface(const pbwm3__work *w, const double p[3])
 {
-    double place[3];
-    return pbw_surface_closest(&w->surface, p, w->distance * pbwm3__size(w, p), place) != PBW_NONE;
+    return pbwsf__is_near(&w->surface, p, w->distance * pbwm3__size(w, p));
 }
 
 /* Returns whether facet i of t needs a point, and where.  A boundary facet with a corner inside needs one.  A facet
@@ -4153,26 +4367,30 @@ static int pbwm3__compare_pieces(const void *a, const void *b)
     return lx != ly ? (lx > ly) - (lx < ly) : (hx > hy) - (hx < hy);
 }
 
+typedef struct pbwm3__finding { const pbwm3__work *w; unsigned char *found; } pbwm3__finding;
+
 /* Marks in `found` the sorted pieces that are edges of tetrahedra inside. */
-static void pbwm3__find_pieces(const pbwm3__work *w, unsigned char *found)
+static pbw_status pbwm3__find_pieces(void *arg, size_t from, size_t to)
 {
+    const pbwm3__finding *finding = (const pbwm3__finding *)arg;
+    const pbwm3__work *w = finding->w;
     const pbwm3__piece *piece = w->pieces.at, *at;
-    size_t t;
     int e;
-    for (t = 0; t < w->now.mesh.simplex_count; t++) {
-        const pbw_index *c = w->now.mesh.simplices + 4 * t;
-        for (e = 0; e < 6 && w->now.label.at[t]; e++) {
+    for (; from < to; from++) {
+        const pbw_index *c = w->now.mesh.simplices + 4 * from;
+        for (e = 0; e < 6 && w->now.label.at[from]; e++) {
             pbwm3__piece key;
             key.a = c[pbwim__edge[e][0]];
             key.b = c[pbwim__edge[e][1]];
             if (w->kind.at[key.a] == PBWM3__SHARP && w->kind.at[key.b] == PBWM3__SHARP) {
                 at = (const pbwm3__piece *)bsearch(&key, piece, w->pieces.count, sizeof key, pbwm3__compare_pieces);
                 if (at != NULL) {
-                    found[at - piece] = 1;
+                    PBW_ATOMIC_STORE(&finding->found[at - piece], 1);
                 }
             }
         }
     }
+    return PBW_OK;
 }
 
 static void pbwm3__clear_ball(pbwm3__work *w, const pbwm3__piece *piece)
@@ -4194,6 +4412,7 @@ static long pbwm3__halve_pieces(pbwm3__work *w)
 {
     const size_t count = w->pieces.count;
     pbwsf__flags found = { NULL, 0, 0 };
+    pbwm3__finding finding;
     long added = 0;
     size_t i;
     w->report->missing_edges = 0;
@@ -4201,11 +4420,12 @@ static long pbwm3__halve_pieces(pbwm3__work *w)
         return 0;
     }
     qsort(w->pieces.at, count, sizeof(pbwm3__piece), pbwm3__compare_pieces);
-    if (!PBW_FIT(&w->memory, found, count)) {
+    if (!PBW_ZEROS(&w->memory, found, count)) {
         return -1;
     }
-    memset(found.at, 0, count);
-    pbwm3__find_pieces(w, found.at);
+    finding.w = w;
+    finding.found = found.at;
+    added = pbwm3__for(w, w->now.mesh.simplex_count, PBWM3__SLICE, pbwm3__find_pieces, &finding) ? 0 : -1;
     for (i = 0; i < count && added >= 0; i++) {
         pbwm3__piece *piece = w->pieces.at + i, second = *piece;
         double p[3];
@@ -4262,12 +4482,29 @@ static pbw_status pbwm3__new_point_range(void *arg, size_t from, size_t to)
     return PBW_OK;
 }
 
+static size_t pbwm3__list_needs(void *lists, size_t t, size_t at)
+{
+    const pbwm3__work *w = (const pbwm3__work *)lists;
+    size_t count = 0, k;
+    for (k = 0; k < 4; k++) {
+        if (w->now.needs.at[t] >> k & 1) {
+            if (at != PBWM3__COUNTS) {
+                w->new_points.at[at + count].facet = 4 * t + k;
+            }
+            count++;
+        }
+    }
+    return count;
+}
+
 /* Lists the points that facets need, in the order of facets: threads find these facets, then the points. */
 static pbw_status pbwm3__list_new_points(pbwm3__work *w)
 {
     pbw_options options = w->options;
+    pbwm3__listing listing;
     pbw_status status;
-    size_t i;
+    size_t count;
+    int good;
     w->new_points.count = 0;
     if (w->now.needs.capacity < w->now.mesh.simplex_count
         && !PBW_FIT(&w->memory, w->now.needs, w->now.label.capacity)) {
@@ -4276,17 +4513,16 @@ static pbw_status pbwm3__list_new_points(pbwm3__work *w)
     options.progress = pbwm3__part_progress;
     options.progress_user = w;
     status = pbw_for(&options, w->now.mesh.simplex_count, 256, pbwm3__need_range, w);
-    for (i = 0; status == PBW_OK && i < 4 * w->now.mesh.simplex_count; i++) {
-        pbwm3__new_point point;
-        memset(&point, 0, sizeof point);
-        point.facet = i;
-        if (w->now.needs.at[i / 4] >> i % 4 & 1
-            && !PBW_PUSH(&w->memory, w->new_points, point)) {
-            status = PBW_ERROR_MEMORY;
-        }
+    if (status != PBW_OK) {
+        return status;
     }
-    return status != PBW_OK ? status
-         : pbw_for(pbwm3__inner_options(w), w->new_points.count, 64, pbwm3__new_point_range, w);
+    good = pbwm3__count_list(w, w->now.mesh.simplex_count, pbwm3__list_needs, w, &listing, &count)
+        && PBW_RESERVE(&w->memory, w->new_points, count);
+    if (!pbwm3__write_list(w, &listing, good)) {
+        return PBW_ERROR_MEMORY;
+    }
+    w->new_points.count = count;
+    return pbw_for(pbwm3__inner_options(w), count, 64, pbwm3__new_point_range, w);
 }
 
 /* Adds the points of a round.  *added: how many. */
@@ -4318,17 +4554,38 @@ static pbw_status pbwm3__round(pbwm3__work *w, long *added)
 typedef struct pbwm3__place { double p[3], distance; } pbwm3__place;
 typedef PBW_ARRAY(pbwm3__place) pbwm3__place_list;
 
-typedef struct pbwm3__places { const pbw_surface *boundary; pbwm3__place *place; } pbwm3__places;
+typedef struct pbwm3__places {
+    const pbw_surface *boundary;
+    pbwm3__place *place;
+    double enough;                         /* a place nearer than this needs no exact distance */
+} pbwm3__places;
+
+/* Returns whether a triangle of a surface, if there is one, is nearer to p than a distance. */
+static int pbwm3__triangle_is_near(const pbw_surface *s, pbw_index triangle, const double p[3], double distance)
+{
+    double place[3], d[3];
+    if (triangle == PBW_NONE) {
+        return 0;
+    }
+    pbwsf__nearest_in(pbwsf__corner(s, triangle, 0), pbwsf__corner(s, triangle, 1), pbwsf__corner(s, triangle, 2), p,
+                      place);
+    pbwsf__minus(place, p, d);
+    return pbwsf__dot(d, d) < distance * distance;
+}
 
 static pbw_status pbwm3__place_range(void *arg, size_t from, size_t to)
 {
     const pbwm3__places *places = (const pbwm3__places *)arg;
+    pbw_index t = PBW_NONE;                          /* near the place before */
     size_t i;
     for (i = from; i < to; i++) {
         pbwm3__place *place = places->place + i;
         double near[3];
-        const pbw_index t = pbw_surface_closest(places->boundary, place->p, HUGE_VAL, near);
-        place->distance = t == PBW_NONE ? 0 : pbwsf__distance(place->p, near);
+        place->distance = 0;
+        if (!pbwm3__triangle_is_near(places->boundary, t, place->p, places->enough)) {
+            t = pbwsf__closest(places->boundary, place->p, HUGE_VAL, places->enough, near);
+            place->distance = t == PBW_NONE ? 0 : pbwsf__distance(place->p, near);
+        }
     }
     return PBW_OK;
 }
@@ -4346,36 +4603,66 @@ static void pbwm3__mark_chains(const pbwm3__work *w, unsigned char *chained)
     }
 }
 
+typedef struct pbwm3__placing {
+    const pbwm3__work *w;
+    const unsigned char *chained;
+    const pbwim__facet *edge;              /* sorted */
+    pbwm3__place *place;
+} pbwm3__placing;
+
+/* Items are the surface's vertices, then its edges: the first of each group of equal ones gives places. */
+static size_t pbwm3__list_item_places(void *lists, size_t item, size_t at)
+{
+    const pbwm3__placing *l = (const pbwm3__placing *)lists;
+    const pbw_surface *s = &l->w->surface;
+    const size_t edges = 3 * s->triangle_count;
+    const pbwim__facet *edge;
+    const double *a, *b;
+    size_t i, parts, n;
+    if (item < s->point_count) {
+        if (!l->chained[item] && at != PBWM3__COUNTS) {
+            memcpy(l->place[at].p, s->points + 3 * item, sizeof l->place->p);
+        }
+        return !l->chained[item];
+    }
+    i = item - s->point_count;
+    edge = l->edge + i;
+    if ((i > 0 && memcmp(edge[-1].v, edge->v, 2 * sizeof(pbw_index)) == 0)
+        || i + 1 == edges || memcmp(edge->v, edge[1].v, 2 * sizeof(pbw_index)) != 0
+        || (i + 2 < edges && memcmp(edge->v, edge[2].v, 2 * sizeof(pbw_index)) == 0)) {
+        return 0;
+    }
+    a = s->points + 3 * (size_t)edge->v[0];
+    b = s->points + 3 * (size_t)edge->v[1];
+    parts = (size_t)fmin(ceil(2 * pbwsf__distance(a, b) / l->w->size), 1e5);
+    if (parts < 2 || pbwm3__angle_at(l->w, edge, 2) > 179
+        || (l->chained[edge->v[0]] && l->chained[edge->v[1]] && pbwm3__is_sharp(l->w, edge))) {
+        return 0;
+    }
+    for (n = 1; n < parts && at != PBWM3__COUNTS; n++) {
+        pbwsf__between(a, b, (double)n / (double)parts, l->place[at + n - 1].p);
+    }
+    return parts - 1;
+}
+
 /* Lists the places where the surface can be far from the boundary: its vertices on no chain, and places half a size
    apart on its edges of more than a degree. */
 static int pbwm3__list_places(pbwm3__work *w, const unsigned char *chained, pbwm3__place_list *places)
 {
     pbwim__sorting sorting;
-    const size_t count = 3 * w->surface.triangle_count;
-    const pbwim__facet *edge = pbwm3__edges(&w->memory, w->surface.triangles, w->surface.triangle_count,
-                                            w->surface.point_count, &sorting);
-    pbwm3__place place;
-    size_t i, k, n;
-    int good = edge != NULL;
-    place.distance = 0;
-    for (i = 0; good && i < w->surface.point_count; i++) {
-        memcpy(place.p, w->surface.points + 3 * i, sizeof place.p);
-        good = chained[i] || PBW_PUSH(&w->memory, *places, place);
-    }
-    for (i = 0; good && i < count; i = k) {
-        const double *a = w->surface.points + 3 * (size_t)edge[i].v[0];
-        const double *b = w->surface.points + 3 * (size_t)edge[i].v[1];
-        const size_t parts = (size_t)fmin(ceil(2 * pbwsf__distance(a, b) / w->size), 1e5);
-        for (k = i + 1; k < count && memcmp(edge[i].v, edge[k].v, 2 * sizeof(pbw_index)) == 0; k++) {
-        }
-        if (parts < 2 || k - i != 2 || pbwm3__angle_at(w, edge + i, 2) > 179
-            || (chained[edge[i].v[0]] && chained[edge[i].v[1]] && pbwm3__is_sharp(w, edge + i))) {
-            continue;
-        }
-        for (n = 1; good && n < parts; n++) {
-            pbwsf__between(a, b, (double)n / (double)parts, place.p);
-            good = PBW_PUSH(&w->memory, *places, place);
-        }
+    pbwm3__listing listing;
+    const pbw_surface *s = &w->surface;
+    pbwm3__placing l = { w, chained, NULL, NULL };
+    size_t count = 0;
+    int good;
+    l.edge = pbwm3__edges(w, s->triangles, s->triangle_count, s->point_count, &sorting);
+    good = l.edge != NULL;
+    if (good) {
+        good = pbwm3__count_list(w, s->point_count + 3 * s->triangle_count, pbwm3__list_item_places, &l, &listing,
+                                 &count) && PBW_FIT(&w->memory, *places, count + 1);
+        l.place = places->at;
+        good = pbwm3__write_list(w, &listing, good);
+        places->count = good ? count : 0;
     }
     pbwim__end_sorting(&w->memory, &sorting);
     return good;
@@ -4458,6 +4745,7 @@ static pbw_status pbwm3__cover_surface(pbwm3__work *w, int halve, long *added)
     }
     places.boundary = &boundary;
     places.place = list.at;
+    places.enough = w->distance * w->size;
     status = status != PBW_OK ? status
            : pbw_for(pbwm3__inner_options(w), list.count, 256, pbwm3__place_range, &places);
     if (status == PBW_OK) {
@@ -4648,15 +4936,15 @@ static pbw_index pbwm3__flood(pbwm3__work *w, pbw_index t, pbw_index *region, pb
     return largest;
 }
 
-/* Sets the regions of the tetrahedra inside, in their order: for each component the innermost shell around its
-   largest tetrahedron, 0 if there is none. */
-static int pbwm3__find_regions(pbwm3__work *w, pbw_tets *in)
+/* Sets the regions of tetrahedra inside: for each component the innermost shell around its largest tetrahedron, 0 if
+   there is none. */
+static int pbwm3__find_regions(pbwm3__work *w, pbwsf__indices *regions)
 {
     pbwsf__indices queue = { NULL, 0, 0 };
     pbw_index *region, largest;
-    size_t t, i, count = 0;
-    int good = PBW_FIT(&w->memory, w->regions, w->now.mesh.simplex_count + 1);
-    region = w->regions.at;
+    size_t t, i;
+    int good = PBW_FIT(&w->memory, *regions, w->now.mesh.simplex_count + 1);
+    region = regions->at;
     for (t = 0; good && t < w->now.mesh.simplex_count; t++) {
         region[t] = PBW_NONE;
     }
@@ -4664,9 +4952,6 @@ static int pbwm3__find_regions(pbwm3__work *w, pbw_tets *in)
         const double *p[4];
         double middle[3];
         pbw_index number;
-        if (w->walls && w->now.label.at[t]) {
-            region[t] = (pbw_index)(w->now.label.at[t] - 1);
-        }
         if (!w->now.label.at[t] || region[t] != PBW_NONE) {
             continue;
         }
@@ -4683,13 +4968,39 @@ static int pbwm3__find_regions(pbwm3__work *w, pbw_tets *in)
             }
         }
     }
-    for (t = 0; good && t < w->now.mesh.simplex_count; t++) {
-        if (w->now.label.at[t]) {
-            region[count++] = region[t];
-        }
-    }
     PBW_RELEASE(&w->memory, queue);
-    in->regions = region;
+    return good;
+}
+
+typedef struct pbwm3__filling { pbwm3__work *w; const pbw_index *region; } pbwm3__filling;
+
+static size_t pbwm3__list_inside(void *lists, size_t t, size_t at)
+{
+    const pbwm3__filling *l = (const pbwm3__filling *)lists;
+    const int label = l->w->now.label.at[t];
+    if (label && at != PBWM3__COUNTS) {
+        memcpy(l->w->corners.at + at, l->w->now.mesh.simplices + 4 * t, sizeof *l->w->corners.at);
+        l->w->regions.at[at] = l->region != NULL ? l->region[t] : l->w->walls ? (pbw_index)(label - 1) : 0;
+    }
+    return label != 0;
+}
+
+/* Lists the tetrahedra inside with their regions. */
+static int pbwm3__fill_inside(pbwm3__work *w)
+{
+    pbwsf__indices regions = { NULL, 0, 0 };
+    pbwm3__filling l = { w, NULL };
+    pbwm3__listing listing;
+    size_t count = 0;
+    int good = w->walls || w->shells.count < 2 || pbwm3__find_regions(w, &regions);
+    if (good) {
+        l.region = regions.at;
+        good = pbwm3__count_list(w, w->now.mesh.simplex_count, pbwm3__list_inside, &l, &listing, &count)
+            && PBW_FIT(&w->memory, w->corners, count + 1) && PBW_FIT(&w->memory, w->regions, count + 1);
+        good = pbwm3__write_list(w, &listing, good);
+        w->corners.count = good ? count : 0;
+    }
+    PBW_RELEASE(&w->memory, regions);
     return good;
 }
 
@@ -4737,17 +5048,9 @@ static pbw_status pbwm3__improve(pbwm3__work *w, pbw_tets *out)
     pbw_options own = w->options;
     pbw_status status;
     pbw_tets in;
-    size_t t, i, tips = 0;
+    size_t i, tips = 0;
     memset(&in, 0, sizeof in);
-    if (!pbwm3__find_regions(w, &in)) {
-        return PBW_ERROR_MEMORY;
-    }
-    for (t = 0; t < w->now.mesh.simplex_count; t++) {
-        if (w->now.label.at[t] && !PBWM3__APPEND(w, w->corners, w->now.mesh.simplices + 4 * t)) {
-            return PBW_ERROR_MEMORY;
-        }
-    }
-    if (!PBW_FIT(&w->memory, w->marks, w->x.count + 1)) {
+    if (!pbwm3__fill_inside(w) || !PBW_FIT(&w->memory, w->marks, w->x.count + 1)) {
         return PBW_ERROR_MEMORY;
     }
     for (i = 0; i < w->x.count; i++) {
@@ -4762,6 +5065,7 @@ static pbw_status pbwm3__improve(pbwm3__work *w, pbw_tets *out)
     in.point_count = w->x.count;
     in.corners = w->corners.at[0];
     in.tet_count = w->corners.count;
+    in.regions = w->regions.at;
     in.marks = w->marks.at;
     improve.feature_angle = improve.feature_angle > 0 ? improve.feature_angle : 75;      /* features are marked */
     improve.project = pbwm3__project;
@@ -4780,52 +5084,58 @@ static pbw_status pbwm3__improve(pbwm3__work *w, pbw_tets *out)
          : status;
 }
 
+enum { PBWM3__DISTANCES = 256 };           /* triangles of a range */
+
 /* How far triangles are from a surface. */
 typedef struct pbwm3__distances {
     const double *points;
     const pbw_index *triangles;
     const pbw_surface *surface;
-    double *distance;                      /* per triangle, of its corners, middle, and middles of edges */
+    double *distance;                      /* per range: the largest, of middles, middles of edges, and corners */
 } pbwm3__distances;
 
 static pbw_status pbwm3__distance_range(void *arg, size_t from, size_t to)
 {
     const pbwm3__distances *far = (const pbwm3__distances *)arg;
+    pbw_index near = PBW_NONE;                       /* the triangle that is nearest to the place before */
+    double most = 0;
     size_t i;
     int k, j;
     for (i = from; i < to; i++) {
         const double *c[3];
-        far->distance[i] = 0;
         for (k = 0; k < 3; k++) {
             c[k] = far->points + 3 * (size_t)far->triangles[3 * i + (size_t)k];
         }
         for (k = 0; k < 7; k++) {
             double p[3], place[3];
             for (j = 0; j < 3; j++) {
-                p[j] = k < 3 ? c[k][j] : k < 6 ? (c[k - 3][j] + c[(k - 2) % 3][j]) / 2
-                     : (c[0][j] + c[1][j] + c[2][j]) / 3;
+                p[j] = k == 0 ? (c[0][j] + c[1][j] + c[2][j]) / 3
+                     : k < 4 ? (c[k - 1][j] + c[k % 3][j]) / 2 : c[k - 4][j];
             }
-            if (pbw_surface_closest(far->surface, p, HUGE_VAL, place) != PBW_NONE) {
-                far->distance[i] = fmax(far->distance[i], pbwsf__distance(p, place));
+            if (!pbwm3__triangle_is_near(far->surface, near, p, most)) {
+                near = pbwsf__closest(far->surface, p, HUGE_VAL, most, place);
+                most = near == PBW_NONE ? most : fmax(most, pbwsf__distance(p, place));
             }
         }
     }
+    far->distance[from / PBWM3__DISTANCES] = most;
     return PBW_OK;
 }
 
 /* Raises *least to the largest distance of the triangles from the surface. */
 static pbw_status pbwm3__farthest(pbwm3__work *w, pbwm3__distances *far, size_t count, double *least)
 {
+    const size_t ranges = (count + PBWM3__DISTANCES - 1) / PBWM3__DISTANCES;
     pbwsf__numbers room = { NULL, 0, 0 };
     pbw_options options = w->options;
     pbw_status status = PBW_ERROR_MEMORY;
     size_t i;
     options.progress = pbwm3__part_progress;
     options.progress_user = w;
-    if (PBW_FIT(&w->memory, room, count + 1)) {
+    if (PBW_FIT(&w->memory, room, ranges + 1)) {
         far->distance = room.at;
-        status = pbw_for(&options, count, 64, pbwm3__distance_range, far);
-        for (i = 0; status == PBW_OK && i < count; i++) {
+        status = pbw_for(&options, count, PBWM3__DISTANCES, pbwm3__distance_range, far);
+        for (i = 0; status == PBW_OK && i < ranges; i++) {
             *least = fmax(*least, far->distance[i]);
         }
     }
@@ -4915,7 +5225,7 @@ static int pbwm3__list_edges(pbwm3__work *w, const pbw_tets *out, pbwm3__boundar
     pbwim__sorting sorting;
     const size_t count = 3 * arrays->facets.count;
     const pbw_index *patch = arrays->patches.at;
-    const pbwim__facet *edge = pbwm3__edges(&w->memory, (const pbw_index *)arrays->facets.at, arrays->facets.count,
+    const pbwim__facet *edge = pbwm3__edges(w, (const pbw_index *)arrays->facets.at, arrays->facets.count,
                                             out->point_count, &sorting);
     size_t i, k;
     int good = edge != NULL;
@@ -5017,7 +5327,7 @@ static int pbwm3__examine_result(pbwm3__work *w, const pbw_tets *out, const pbws
     size_t i, k;
     int good = 1;
     if (!w->walls) {
-        return pbwm3__examine(&w->memory, (const pbw_index *)facets->at, facets->count, out->point_count, top);
+        return pbwm3__examine(w, (const pbw_index *)facets->at, facets->count, out->point_count, top);
     }
     for (i = 0; good && i < 4 * out->tet_count; i++) {
         const int label = (int)out->regions[i / 4] + 1;

@@ -273,12 +273,23 @@ static void pbwsf__box_add(pbwsf__box *box, const double low[3], const double hi
     }
 }
 
-static void pbwsf__fill_boxes(const pbw_surface *s, pbwsf__tree *tree)
+typedef struct pbwsf__building {
+    const pbw_surface *surface;
+    pbwsf__tree *tree;
+    double *middle;                        /* of each triangle */
+    size_t first;                          /* node of a level */
+} pbwsf__building;
+
+/* Fills boxes of nodes of one level, whose children's are filled. */
+static pbw_status pbwsf__box_range(void *arg, size_t from, size_t to)
 {
+    const pbwsf__building *b = (const pbwsf__building *)arg;
+    const pbw_surface *s = b->surface;
+    const pbwsf__tree *tree = b->tree;
     pbwsf__box *box = tree->boxes.at;
     const pbw_index *order = tree->order.at;
     size_t i, k;
-    for (i = tree->nodes; i-- > 0;) {
+    for (i = b->first + from; i < b->first + to; i++) {
         pbwsf__box_clear(box + i);
         if (i < tree->first_leaf) {
             pbwsf__box_add(box + i, box[2 * i + 1].low, box[2 * i + 1].high);
@@ -298,34 +309,36 @@ static void pbwsf__fill_boxes(const pbw_surface *s, pbwsf__tree *tree)
             }
         }
     }
+    return PBW_OK;
+}
+
+static pbw_status pbwsf__middle_range(void *arg, size_t from, size_t to)
+{
+    const pbwsf__building *b = (const pbwsf__building *)arg;
+    const pbw_surface *s = b->surface;
+    size_t i, k;
+    for (i = from; i < to; i++) {
+        const pbw_index *c = s->triangles + 3 * i;
+        for (k = 0; k < 3; k++) {
+            b->middle[3 * i + k] = s->points[3 * (size_t)c[0] + k] / 3 + s->points[3 * (size_t)c[1] + k] / 3
+                                 + s->points[3 * (size_t)c[2] + k] / 3;
+        }
+    }
+    return PBW_OK;
 }
 
 /* The order along a Hilbert curve through the triangles' centroids. */
-static pbw_status pbwsf__sort(const pbw_surface *s, const pbw_options *options, pbwsf__tree *tree)
+static pbw_status pbwsf__sort(pbwsf__building *b, pbw_options *options)
 {
-    PBW_ARRAY(double) middle = { NULL, 0, 0 };
-    pbw_options own;
+    const size_t count = b->surface->triangle_count;
+    pbwsf__tree *tree = b->tree;
+    pbwsf__numbers middle = { NULL, 0, 0 };
     pbw_status status = PBW_ERROR_MEMORY;
-    size_t i, k;
-    memset(&own, 0, sizeof own);
-    if (options != NULL) {
-        own.threads = options->threads;
-        own.resize = options->resize;
-        own.resize_user = options->resize_user;
-        own.run = options->run;
-        own.run_user = options->run_user;
-    }
-    if (PBW_FIT(&tree->memory, tree->order, s->triangle_count + 1)
-        && PBW_FIT(&tree->memory, middle, 3 * (s->triangle_count + 1))) {
-        for (i = 0; i < s->triangle_count; i++) {
-            for (k = 0; k < 3; k++) {
-                const pbw_index *c = s->triangles + 3 * i;
-                middle.at[3 * i + k] = s->points[3 * (size_t)c[0] + k] / 3 + s->points[3 * (size_t)c[1] + k] / 3
-                                     + s->points[3 * (size_t)c[2] + k] / 3;
-            }
-        }
-        own.memory_limit = pbw_memory_left(&tree->memory);
-        status = pbw_order(3, middle.at, s->triangle_count, &own, tree->order.at);
+    if (PBW_FIT(&tree->memory, tree->order, count + 1) && PBW_FIT(&tree->memory, middle, 3 * (count + 1))) {
+        b->middle = middle.at;
+        options->memory_limit = pbw_memory_left(&tree->memory);
+        status = pbw_for(options, count, 4096, pbwsf__middle_range, b);
+        status = status != PBW_OK ? status : pbw_order(3, middle.at, count, options, tree->order.at);
         status = status == PBW_DEGENERATE ? PBW_OK : status;
     }
     PBW_RELEASE(&tree->memory, middle);
@@ -335,21 +348,33 @@ static pbw_status pbwsf__sort(const pbw_surface *s, const pbw_options *options, 
 static pbw_status pbwsf__build(const pbw_options *options, pbw_surface *surface)
 {
     pbwsf__tree *tree = (pbwsf__tree *)surface->memory;
-    pbw_status status = pbwsf__sort(surface, options, tree);
+    pbwsf__building b = { surface, tree, NULL, 0 };
+    pbw_options own;
+    pbw_status status;
     size_t leaves = 1;
+    memset(&own, 0, sizeof own);
+    if (options != NULL) {
+        own.threads = options->threads;
+        own.resize = options->resize;
+        own.resize_user = options->resize_user;
+        own.run = options->run;
+        own.run_user = options->run_user;
+    }
     while (leaves * PBWSF__LEAF < surface->triangle_count) {
         leaves *= 2;
     }
     tree->first_leaf = leaves - 1;
     tree->nodes = 2 * leaves - 1;
-    if (status != PBW_OK) {
-        return status;
+    status = pbwsf__sort(&b, &own);
+    if (status == PBW_OK && !PBW_FIT(&tree->memory, tree->boxes, tree->nodes)) {
+        status = PBW_ERROR_MEMORY;
     }
-    if (!PBW_FIT(&tree->memory, tree->boxes, tree->nodes)) {
-        return PBW_ERROR_MEMORY;
+    own.memory_limit = pbw_memory_left(&tree->memory);
+    for (; status == PBW_OK && leaves > 0; leaves /= 2) {        /* levels, that of the leaves first */
+        b.first = leaves - 1;
+        status = pbw_for(&own, leaves, 2048, pbwsf__box_range, &b);
     }
-    pbwsf__fill_boxes(surface, tree);
-    return PBW_OK;
+    return status;
 }
 
 /* Returns PBW_OK if ids are in range and coordinates finite. */
@@ -481,7 +506,9 @@ static double pbwsf__box_distance(const pbwsf__box *box, const double *p)
     return sum;
 }
 
-PBWDEF pbw_index pbw_surface_closest(const pbw_surface *surface, const double p[3], double limit, double place[3])
+/* As pbw_surface_closest, but a triangle nearer than `enough` ends the search. */
+static pbw_index pbwsf__closest(const pbw_surface *surface, const double p[3], double limit, double enough,
+                                double place[3])
 {
     const pbwsf__tree *tree = (const pbwsf__tree *)surface->memory;
     const pbwsf__box *box = tree->boxes.at;
@@ -518,8 +545,21 @@ PBWDEF pbw_index pbw_surface_closest(const pbw_surface *surface, const double p[
                 memcpy(place, q, 3 * sizeof *place);
             }
         }
+        depth = best < enough * enough ? 0 : depth;
     }
     return found;
+}
+
+PBWDEF pbw_index pbw_surface_closest(const pbw_surface *surface, const double p[3], double limit, double place[3])
+{
+    return pbwsf__closest(surface, p, limit, 0, place);
+}
+
+/* Returns whether the surface is nearer to p than a distance. */
+PBWSF__SHARED static int pbwsf__is_near(const pbw_surface *surface, const double p[3], double distance)
+{
+    double place[3];
+    return pbwsf__closest(surface, p, distance, distance, place) != PBW_NONE;
 }
 
 /* Returns where the segment a + t d, 0 <= t <= most, meets the box, or a smaller t; HUGE_VAL if it does not.  per[k]:
@@ -1961,6 +2001,8 @@ PBWDEF void pbw_surface_faults_free(pbw_surface_faults *faults)
      pbwsf__normal_of   mesh3                               tree
      pbwsf__tree        wrap                                tree
      pbwsf__box_meets   wrap                                queries
+     pbwsf__closest     mesh3                               queries
+     pbwsf__is_near     mesh3                               queries
      pbwsf__nearest_in  mesh3 wrap                          queries
      pbwsf__ray         mesh3                               queries
    ------------------------------------------------------------------------------------------------------ */
