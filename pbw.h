@@ -686,10 +686,10 @@ extern pbw_status pbw_cuda_loop_create(const pbw_options *options, void *stream,
 extern pbw_status pbw_cuda_loop_step(pbw_cuda_loop *loop, const pbw_cuda_points *points, pbw_cuda_mesh *mesh);
 /* Computes the cells of a mesh's points, with weights power cells, in a box or, with NULL, in the whole space.  box:
    2*dim numbers in the host's memory, low corner, high corner.  The arrays are those of pbw_cells_of (pbw_cells.h),
-   byte for byte if coordinates are of sizes that it takes: with facets, volumes and centroids are summed in another
-   order than alone.  points: of the mesh.  cpu: for points in a box that span no simplex; NULL = these give
-   PBW_ERROR_BACKEND.  Other statuses are those of pbw_cells_of; on any but PBW_OK and PBW_DEGENERATE cells are left
-   empty.  Needs 1 kB of device memory a point in space.  Waits for the stream.
+   byte for byte if coordinates are of sizes that it takes.  points: of the mesh.  cpu: for points in a box that span
+   no simplex; NULL = these give PBW_ERROR_BACKEND.  Other statuses are those of pbw_cells_of; on any but PBW_OK and
+   PBW_DEGENERATE cells are left empty.  Needs 1 kB of device memory a point in space, 1.4 kB with facets.  Waits for
+   the stream.
    loop_cells: of the mesh of the last step.  The arrays belong to the loop until its next loop_cells: so centroids
    can be the points of the next step.  All others are for pbw_cuda_cells_free.
    of_host: of packed points in the host's memory, by the current device; the arrays are the host's, too.  options: as

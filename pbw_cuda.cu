@@ -5080,13 +5080,18 @@ template <bool WEIGHTED> DEVICE void sum_corners(simplex_geometry &g)
     }
 }
 
-/* What simplices add to the cells of their corners. */
+struct alignas(16) edge_parts {                      /* of a simplex: its parts of the areas of six facets */
+    real at[6];
+};
+
+/* What simplices add to the cells of their corners, and to facets. */
 struct contributions {
     sums *sum[4];                                    /* per corner, of each simplex */
+    edge_parts *part;                                /* NULL: no facets are wanted */
     unsigned char *left;                             /* per vertex: is its cell left? */
 };
 
-template <bool WEIGHTED>
+template <bool WEIGHTED, bool FACETS>
 DEVICE void contribute(const diagram &d, const contributions &out, uint32_t simplex)
 {
     simplex_geometry g;
@@ -5110,6 +5115,14 @@ DEVICE void contribute(const diagram &d, const contributions &out, uint32_t simp
         if (all || at_hull) {
             out.left[corner[i]] = 1;
         }
+    }
+    if (FACETS) {
+        edge_parts part;
+#pragma unroll
+        for (int e = 0; e < 6; e++) {
+            part.at[e] = g.given[e] / (real(2.0) * root_of(g.square[e]));
+        }
+        out.part[simplex] = part;
     }
 }
 
@@ -5141,11 +5154,11 @@ template <int DIM> DEVICE void set_unbounded(const diagram &d, uint32_t v)
 
 const int contribute_block = 128;
 
-template <bool WEIGHTED>
+template <bool WEIGHTED, bool FACETS>
 __global__ void __launch_bounds__(contribute_block) contribute_kernel(const diagram d, const contributions out)
 {
     if (thread_number() < d.simplex_count) {
-        contribute<WEIGHTED>(d, out, (uint32_t)thread_number());
+        contribute<WEIGHTED, FACETS>(d, out, (uint32_t)thread_number());
     }
 }
 
@@ -5546,17 +5559,22 @@ template <typename INDEX> DEVICE void sum_polytope(const cell_room<INDEX> &r, co
 /* ------------------------------------------------------------------------------------------------------
    >>diagram      Cells: the star of a vertex by a warp, and its cell.
    In: the sorted simplices at each vertex.  Out: the cells that are left.
-   Holds: links are in the order, and rings start, where the walks of >>stars of pbw_cells.h find them.
+   Holds: links are in the order, and rings start, where the walks of >>stars of pbw_cells.h find them.  Facets of
+   cells that the box does not cut are in the order of >>facets there.
 
    The star is brought into the room with small numbers: simplices by their place, links by the slot of a hash table.
    One lane walks until all links are known.  Then a lane a link walks its ring, which is a facet of the polytope.
    ------------------------------------------------------------------------------------------------------ */
-/* Facets: the counts of all cells in first, or, with neighbours, where those of each cell begin. */
+/* Facets: the counts of all cells in first, or, with neighbours, where those of each cell begin.  In space cells that
+   are left have theirs in lists of their own at begin, with counts. */
 struct facet_lists {
     size_t *first;                                   /* NULL: no facets are wanted */
     uint32_t *neighbor;
     double *area;
     size_t all;
+    size_t *begin;
+    const edge_parts *part;                          /* per simplex */
+    const unsigned char *is_left;                    /* per vertex: is its volume not known? */
 };
 
 /* Takes the facets of a cell one by one; of a cell that proves to be left, no more than have a place in the lists. */
@@ -5862,53 +5880,67 @@ DEVICE bool cut_box(const diagram &d, cell_room<INDEX> &r, uint32_t v, uint32_t 
     return fits;
 }
 
-/* The area of the facet of a link, from its ring; x has the centres by places in the star.  Infinite where the facet
-   is open.  square: that of to, from the site to the link. */
-template <typename INDEX>
-DEVICE real open_facet(const cell_room<INDEX> &r, uint32_t link, const real *to, real square)
+/* The edge between two corners of a simplex. */
+DEVICE uint32_t edge_between(uint32_t i, uint32_t j)
 {
-    walk_place at = { r.begin[link], r.p[link], r.q[link] };
-    const uint32_t first = at.simplex;
-    real along = 0.0, sides[3];
-    do {
-        const uint32_t next = across(r, at.simplex, at.p);
-        if (next == (INDEX)~0u) {
-            return HUGE_VAL;
+    return i == 0 ? j - 1 : j == 0 ? i - 1 : i + j;
+}
+
+/* Adds the values of all lanes with one slot, in the order of the lanes, to the number of the slot; at(slot): where
+   that is.  slot: none for a lane without a value. */
+template <typename F> DEVICE void add_by_slots(uint32_t slot, real value, F at)
+{
+    const unsigned peers = __match_any_sync(all_lanes, slot);
+    const bool leads = slot != none && (peers & lanes_below<32>()) == 0;
+    real sum = leads ? real(*at(slot)) : real(0.0);
+    unsigned rest = leads ? peers : 0;
+    while (any(rest != 0)) {
+        const real next = __shfl_sync(all_lanes, value.value, rest != 0 ? __ffs(rest) - 1 : 0);
+        sum = rest != 0 ? sum + next : sum;
+        rest &= rest - 1;
+    }
+    if (leads) {
+        *at(slot) = sum.value;
+    }
+    __syncwarp();
+}
+
+/* Facets of a cell that the box does not cut, in the order of the entries that have their links first.  The areas of
+   open ones are infinite. */
+template <typename INDEX>
+DEVICE void take_star(const cell_room<INDEX> &r, const facet_lists &lists, uint32_t v, const uint32_t *entry,
+                      uint32_t count)
+{
+    uint32_t *const neighbor = lists.neighbor + lists.begin[v], *const first = r.size_of_ring;
+    double *const area = lists.area + lists.begin[v];
+    warp_each(r.size.slots, [&](uint32_t i) { first[i] = none; });
+    warp_each(3 * count, [&](uint32_t e) { min_at(first + r.corner[e], e); });
+    const uint32_t links = warp_number(3 * count, [&](uint32_t e) { return first[r.corner[e]] == e ? 1u : 0u; },
+                                       [&](uint32_t e, unsigned is_first, uint32_t before, uint32_t) {
+        if (is_first != 0) {
+            r.link_of[r.corner[e]] = (INDEX)before;
+            neighbor[before] = r.key[r.corner[e]];
+            area[before] = 0.0;
         }
-        cross(r.x + 3 * (size_t)at.simplex, r.x + 3 * (size_t)next, sides);
-        along += dot(to, sides);
-        at = { next, at.q, third(r, next, r.slot_of[link], at.q) };
-    } while (at.simplex != first);
-    return along / (real(2.0) * root_of(square));
-}
-
-/* The same of a closed star, from its polytope. */
-template <typename INDEX>
-DEVICE real ring_area(const cell_room<INDEX> &r, uint32_t link, const real *to, real square)
-{
-    real along = 0.0, sides[3];
-    for (uint32_t e = r.now.start[link]; e < r.now.start[link + 1]; e++) {
-        cross(r.x + 3 * (size_t)r.now.corner[e], r.x + 3 * (size_t)follower(r.now, e), sides);
-        along += dot(to, sides);
+    }).x;
+    for (uint32_t from = 0; from < 3 * count; from += 32) {
+        const uint32_t e = from + (threadIdx.x & 31), place = e / 3;
+        uint32_t slot = none;
+        real part = 0.0;
+        if (e < 3 * count) {
+            slot = r.corner[e];
+            part = lists.part[r.simplex[place]].at[edge_between(entry[place] & 3,
+                                                                other_corner(entry[place] & 3, e % 3))];
+        }
+        add_by_slots(slot, part, [&](uint32_t at) { return area + r.link_of[at]; });
     }
-    return along / (real(2.0) * root_of(square));
-}
-
-/* Facets of a cell that the box does not cut; area(link, to, square): as open_facet. */
-template <typename INDEX, typename F>
-DEVICE void take_rings(const diagram &d, const cell_room<INDEX> &r, const facet_lists &lists, uint32_t v,
-                       uint32_t links, F area)
-{
-    if (lists.neighbor == NULL) {
-        warp_once([&]() { lists.first[v] = links; });
-        return;
-    }
-    warp_each(links, [&](uint32_t i) {
-        real to[3], foot;
-        const real square = to_link(d, r, v, i, to, foot);
-        lists.neighbor[lists.first[v] + i] = r.key[r.slot_of[i]];
-        lists.area[lists.first[v] + i] = area(i, to, square).value;
+    warp_each(3 * count, [&](uint32_t e) {           /* across from the others the ring of a link goes on */
+        const INDEX *next = r.across + e / 3 * 3;
+        if (next[(e + 1) % 3] == (INDEX)~0u || next[(e + 2) % 3] == (INDEX)~0u) {
+            area[r.link_of[r.corner[e]]] = HUGE_VAL;
+        }
     });
+    warp_once([&]() { lists.first[v] = links; });
 }
 
 /* The area of a facet of a polytope. */
@@ -5939,33 +5971,17 @@ DEVICE void take_facets(const cell_room<INDEX> &r, const facet_lists &lists, uin
     const INDEX *name = r.now.name;
     const uint2 found = warp_number(facets, [&](uint32_t i) { return i == 0 || name[i] != name[i - 1] ? 1u : 0u; },
                                     [&](uint32_t i, unsigned first, uint32_t before, uint32_t) {
-        if (first != 0 && lists.neighbor != NULL) {
+        if (first != 0) {
             real area = facet_area(r, i);
             for (uint32_t next = i + 1; next < facets && name[next] == name[i]; next++) {
                 area += facet_area(r, next);
             }
-            lists.neighbor[lists.first[v] + before] = name[i] < links ? r.key[r.slot_of[name[i]]]
+            lists.neighbor[lists.begin[v] + before] = name[i] < links ? r.key[r.slot_of[name[i]]]
                                                     : none - 1 - (uint32_t)(INDEX)~name[i];
-            lists.area[lists.first[v] + before] = area.value;
+            lists.area[lists.begin[v] + before] = area.value;
         }
     });
-    if (lists.neighbor == NULL) {
-        warp_once([&]() { lists.first[v] = found.x; });
-    }
-}
-
-/* The cell of a star at the hull, in the whole space. */
-template <typename INDEX>
-DEVICE void open_cell(const diagram &d, const cell_room<INDEX> &r, const facet_lists &lists, uint32_t v,
-                      uint32_t count, uint32_t links)
-{
-    warp_once([&]() { set_unbounded<3>(d, v); });
-    if (lists.first != NULL) {
-        warp_each(count, [&](uint32_t i) { (void)place_centre(d, r, v, i, i); });
-        take_rings(d, r, lists, v, links, [&](uint32_t i, const real *to, real square) {
-            return open_facet(r, i, to, square);
-        });
-    }
+    warp_once([&]() { lists.first[v] = found.x; });
 }
 
 /* The cell that the box cuts out.  Returns false if the room is too small. */
@@ -6000,20 +6016,25 @@ DEVICE bool star_cell(const diagram &d, cell_room<INDEX> &r, const facet_lists &
     if (links > r.size.links || 3 * count > r.size.entries || links > r.size.facets) {
         return false;
     }
-    warp_once([&]() { find_links(r, place_of(r.simplex, count, d.incident[v]), links); });
-    if (open && !d.bounded) {
-        open_cell(d, r, lists, v, count, links);
+    if (lists.first != NULL && lists.is_left[v] == 0) {          /* too large for the kernel of facets */
+        take_star(r, lists, v, entry, count);
         return true;
     }
+    if (open && !d.bounded) {
+        warp_once([&]() { set_unbounded<3>(d, v); });
+        if (lists.first != NULL) {
+            take_star(r, lists, v, entry, count);
+        }
+        return true;
+    }
+    warp_once([&]() { find_links(r, place_of(r.simplex, count, d.incident[v]), links); });
     const unsigned flags = open ? 0 : star_polytope(d, r, v, links, n);
     if (!open && (!d.bounded || (flags & inside_box) != 0)) {
         real sum[4] = { 0.0, 0.0, 0.0, 0.0 };
         sum_rings(d, r, v, n, sum);
         warp_once([&]() { set_cell<3>(d, v, sum); });
         if (lists.first != NULL) {
-            take_rings(d, r, lists, v, links, [&](uint32_t i, const real *to, real square) {
-                return ring_area(r, i, to, square);
-            });
+            take_star(r, lists, v, entry, count);
         }
         return true;
     }
@@ -6072,148 +6093,109 @@ star_kernel(const diagram d, const facet_lists lists, const star_rung a)
     }
 }
 
-/* Cells that the box does not cut, with facets, by 16 lanes each: most cells.  The same walks in little room. */
-const uint32_t ring_lanes = 16, ring_simplices = 64, ring_links = ring_simplices / 2 + 2, ring_slots = 64;
+/* Facets of a cell that the box does not cut, by 16 lanes: most cells.  As take_star has them. */
+const uint32_t facet_lanes = 16, facet_simplices = 64, facet_slots = 64;
 
-struct ring_room {
-    real x[ring_simplices][3], term[ring_lanes][4];  /* x: the centres, from the site */
-    uint2 part[ring_simplices];                      /* three slots, and the simplices across from them: bytes */
-    uint32_t simplex[ring_simplices], key[ring_slots];
-    uint8_t is_known[ring_slots], slot[ring_links], begin[ring_links], p[ring_links], q[ring_links];
+struct facet_room {
+    real part[facet_simplices][3];                   /* per simplex and corner */
+    uint32_t key[facet_slots], at[facet_slots][2];   /* vertices of links; a bit for each simplex that has one */
+    uint32_t slots[facet_simplices];                 /* of the corners of a simplex: bytes */
+    uint8_t slot_of[facet_slots];                    /* of each link, in their order */
 };
 
-/* A simplex of a ring around the link at slot u, and its two other corners. */
-struct ring_place {
-    uint32_t simplex, p, q;
-    DEVICE void go_on(const ring_room &r, uint32_t u)
-    {
-        const uint2 part = r.part[simplex];
-        const uint32_t shift = 8 * ((part.x >> 8 & 255) == p) + 16 * (part.x >> 16 == p);
-        simplex = part.y >> shift & 255;
-        const uint32_t next = r.part[simplex].x;
-        p = q;
-        q = (next ^ next >> 8 ^ next >> 16 ^ u ^ q) & 255;
-    }
-};
-
-DEVICE unsigned ring_mask()
+DEVICE unsigned facet_mask()
 {
     return 0xffffu << (threadIdx.x & 16);
 }
 
-DEVICE void fetch_rings(const diagram &d, const real *centres, ring_room &r, uint32_t v, const uint32_t *entry,
-                        uint32_t count)
+DEVICE void fetch_facets(const diagram &d, const facet_lists &lists, facet_room &r, const uint32_t *entry,
+                         uint32_t count)
 {
-    const uint32_t lane = threadIdx.x % ring_lanes;
-    for (uint32_t i = lane; i < ring_slots; i += ring_lanes) {
+    const uint32_t lane = threadIdx.x % facet_lanes;
+    for (uint32_t i = lane; i < facet_slots; i += facet_lanes) {
         r.key[i] = none;
-        r.is_known[i] = 0;
+        r.at[i][0] = r.at[i][1] = 0;
     }
-    for (uint32_t i = lane; i < count; i += ring_lanes) {
-        r.simplex[i] = entry[i] >> 2;
-    }
-    __syncwarp(ring_mask());
-    for (uint32_t i = lane; i < count; i += ring_lanes) {
-        const size_t at = 4 * (size_t)(entry[i] >> 2);
-        const double *a = d.points + 3 * (size_t)d.simplices[at];
-        uint2 part = { 0, 0 };
+    __syncwarp(facet_mask());
+    for (uint32_t i = lane; i < count; i += facet_lanes) {
+        const uint32_t simplex = entry[i] >> 2, corner = entry[i] & 3;
+        uint32_t slots = 0;
         for (uint32_t k = 0; k < 3; k++) {
-            const uint32_t corner = other_corner(entry[i] & 3, k);
-            part.x |= slot_of(r.key, ring_slots, d.simplices[at + corner]) << 8 * k;
-            part.y |= place_of(r.simplex, count, d.neighbors[at + corner]) << 8 * k;
-            r.x[i][k] = centres[at / 4 * 3 + k] + (real(a[k]) - d.points[3 * (size_t)v + k]);
+            const uint32_t other = other_corner(corner, k);
+            const uint32_t slot = slot_of(r.key, facet_slots, d.simplices[4 * (size_t)simplex + other]);
+            atomicOr(&r.at[slot][i / 32], 1u << i % 32);
+            r.part[i][k] = lists.part[simplex].at[edge_between(corner, other)];
+            slots |= slot << 8 * k;
         }
-        r.part[i] = part;
+        r.slots[i] = slots;
     }
-    __syncwarp(ring_mask());
+    __syncwarp(facet_mask());
 }
 
-/* Numbers the links, by one lane, as find_links does. */
-DEVICE void number_rings(ring_room &r, uint32_t start, uint32_t all)
+/* Lists the links in the order of their first entries. */
+DEVICE void order_facets(facet_room &r, uint32_t count)
 {
+    const uint32_t lane = threadIdx.x % facet_lanes, shift = threadIdx.x & 16;
     uint32_t links = 0;
-    auto add = [&](uint32_t slot, const ring_place &from) {
-        if (r.is_known[slot] == 0) {
-            r.is_known[slot] = 1;
-            r.slot[links] = (uint8_t)slot;
-            r.begin[links] = (uint8_t)from.simplex;
-            r.p[links] = (uint8_t)from.p;
-            r.q[links++] = (uint8_t)from.q;
+    for (uint32_t from = 0; from < count; from += facet_lanes) {
+        const uint32_t i = from + lane, slots = i < count ? r.slots[i] : 0;
+        unsigned first[3], before = 0, all = 0;
+        for (int k = 0; k < 3; k++) {
+            const uint32_t *at = r.at[slots >> 8 * k & 255];
+            const uint32_t lowest = at[0] != 0 ? __ffs(at[0]) - 1 : 31 + __ffs(at[1]);
+            first[k] = __ballot_sync(facet_mask(), i < count && lowest == i) >> shift & 0xffff;
+            before += __popc(first[k] & ((1u << lane) - 1));
+            all += __popc(first[k]);
         }
-    };
-    const uint32_t corners = r.part[start].x;
-    add(corners & 255, { start, corners >> 8 & 255, corners >> 16 });
-    for (uint32_t i = 0; i < links && links < all; i++) {
-        const uint32_t u = r.slot[i];
-        ring_place at = { r.begin[i], r.p[i], r.q[i] };
-        do {
-            add(at.q, { at.simplex, u, at.p });
-            at.go_on(r, u);
-        } while (at.simplex != r.begin[i]);
+        for (int k = 0; k < 3; k++) {
+            if ((first[k] >> lane & 1) != 0) {
+                r.slot_of[links + before++] = (uint8_t)(slots >> 8 * k);
+            }
+        }
+        links += all;
     }
+    __syncwarp(facet_mask());
 }
 
-/* Sets the facet of a link, and what its ring adds to the sums. */
-DEVICE void ring_facet(const diagram &d, const ring_room &r, const facet_lists &lists, uint32_t v, uint32_t link,
-                       real *term)
+/* The area of the facet of the link at a slot. */
+DEVICE real sum_facet(const facet_room &r, uint32_t slot)
 {
-    const uint32_t u = r.slot[link], vertex = r.key[u];
-    real to[3], foot;
-    const real square = to_vertex(d, v, vertex, to, foot);
-    ring_sums ring;
-    ring_place at = { r.begin[link], r.p[link], r.q[link] };
-    do {
-        const real *s = r.x[at.simplex];
-        at.go_on(r, u);
-        ring.add(to, s, r.x[at.simplex]);
-    } while (at.simplex != r.begin[link]);
-    ring.set_term(to, foot, term);
-    lists.neighbor[lists.first[v] + link] = vertex;
-    lists.area[lists.first[v] + link] = (ring.along / (real(2.0) * root_of(square))).value;
+    real area = 0.0;
+    for (uint32_t half = 0; half < 2; half++) {
+        for (uint32_t rest = r.at[slot][half]; rest != 0; rest &= rest - 1) {
+            const uint32_t i = 32 * half + (uint32_t)__ffs(rest) - 1, slots = r.slots[i];
+            area += r.part[i][(slots >> 8 & 255) == slot ? 1 : slots >> 16 == slot ? 2 : 0];
+        }
+    }
+    return area;
 }
 
-/* The listed cells, of stars that are closed, with centres inside of the box.  left: those that the room is too small
-   for.  centres: of all simplices, from their first corners. */
-__global__ void __launch_bounds__(128, 8)
-ring_kernel(const diagram d, const real *centres, const facet_lists lists, const stars s, const queue todo,
-            const queue left)
+/* The facets of the listed vertices; those of cells that are left, and of large stars, are copied from `made`. */
+__global__ void __launch_bounds__(128)
+facet_kernel(const diagram d, const facet_lists made, const facet_lists lists, const stars s, const queue todo)
 {
-    __shared__ ring_room rooms[128 / ring_lanes];
-    ring_room &r = rooms[threadIdx.x / ring_lanes];
-    const size_t item = thread_number() / ring_lanes;
-    const uint32_t lane = threadIdx.x % ring_lanes, v = item < *todo.count ? todo.vertex[item] : none;
-    const uint32_t first = v != none ? s.first[v] : 0, count = v != none ? s.first[v + 1] - first : 0;
-    const uint32_t links = count / 2 + 2;
-    real sum[4] = { 0.0, 0.0, 0.0, 0.0 }, mine = 0.0;
-    if (v == none) {
+    __shared__ facet_room rooms[128 / facet_lanes];
+    facet_room &r = rooms[threadIdx.x / facet_lanes];
+    const size_t item = thread_number() / facet_lanes;
+    if (item >= *todo.count) {
         return;
     }
-    if (count > ring_simplices) {
-        if (lane == 0) {
-            left.vertex[atomicAdd(left.count, 1u)] = v;
+    const uint32_t lane = threadIdx.x % facet_lanes, v = todo.vertex[item], entries = s.first[v];
+    const uint32_t count = s.first[v + 1] - entries, links = (uint32_t)(lists.first[v + 1] - lists.first[v]);
+    uint32_t *const neighbor = lists.neighbor + lists.first[v];
+    double *const area = lists.area + lists.first[v];
+    if (made.is_left[v] != 0 || count > facet_simplices) {
+        for (uint32_t i = lane; i < links; i += facet_lanes) {
+            neighbor[i] = made.neighbor[made.begin[v] + i];
+            area[i] = made.area[made.begin[v] + i];
         }
         return;
     }
-    fetch_rings(d, centres, r, v, s.entry + first, count);
-    if (lane == 0) {
-        number_rings(r, place_of(r.simplex, count, d.incident[v]), links);
-    }
-    __syncwarp(ring_mask());
-    for (uint32_t from = 0; from < links; from += ring_lanes) {
-        if (from + lane < links) {
-            ring_facet(d, r, lists, v, from + lane, r.term[lane]);
-        }
-        __syncwarp(ring_mask());
-        for (uint32_t i = 0; i < ring_lanes && from + i < links; i++) {
-            mine += r.term[i][lane & 3];
-        }
-        __syncwarp(ring_mask());
-    }
-    for (int k = 0; k < 4; k++) {
-        sum[k] = __shfl_sync(ring_mask(), mine.value, k, ring_lanes);
-    }
-    if (lane == 0) {
-        set_cell<3>(d, v, sum);
+    fetch_facets(d, made, r, s.entry + entries, count);
+    order_facets(r, count);
+    for (uint32_t i = lane; i < links; i += facet_lanes) {
+        neighbor[i] = r.key[r.slot_of[i]];
+        area[i] = sum_facet(r, r.slot_of[i]).value;
     }
 }
 
@@ -7134,59 +7116,43 @@ template <int DIM> __global__ void empty_kernel(const diagram d, const facet_lis
     }
 }
 
-/* Finds the centres, from first corners.  Marks the vertices with cells that may be cut, or unbounded. */
-__global__ void judge_kernel(const diagram d, real *centres, unsigned char *left)
+/* Counts facets: a closed star of n simplices has n / 2 + 2 links, by Euler; one with an end at most n + 2, and the
+   box six walls.  Cells that are left and large stars get room for theirs; large stars are listed. */
+__global__ void count_kernel(const diagram d, const stars s, const facet_lists lists, const queue left,
+                             unsigned long long *room)
 {
-    const uint32_t simplex = (uint32_t)thread_number();
-    if (simplex < d.simplex_count) {
-        real centre[3];
-        const uint32_t *next = d.neighbors + 4 * (size_t)simplex;
-        const bool all = (centre_of<3>(d, simplex, centre) & (d.bounded ? inside_box : good_centre)) == 0;
-        for (size_t k = 0; k < 3; k++) {
-            centres[3 * (size_t)simplex + k] = centre[k];
-        }
-        for (int i = 0; i < 4; i++) {
-            if (all || next[(i + 1) & 3] == none || next[(i + 2) & 3] == none || next[(i + 3) & 3] == none) {
-                left[d.simplices[4 * (size_t)simplex + (size_t)i]] = 1;
+    const uint32_t v = (uint32_t)thread_number();
+    if (v < d.count) {
+        const uint32_t count = s.first[v + 1] - s.first[v];
+        const bool is_whole = lists.is_left[v] == 0;
+        lists.first[v] = count > 0 ? count / 2 + 2 : 0;
+        if (count > 0 && (!is_whole || count > facet_simplices)) {
+            lists.begin[v] = atomicAdd(room, count + 8ull);
+            if (is_whole) {
+                left.vertex[atomicAdd(left.count, 1u)] = v;
             }
         }
     }
 }
 
-/* Counts facets: a closed star of n simplices has n / 2 + 2 links, by Euler.  Lists the vertices that are marked. */
-__global__ void count_kernel(const diagram d, const stars s, const unsigned char *is_left, const facet_lists lists,
-                             const queue left)
-{
-    const uint32_t v = (uint32_t)thread_number();
-    if (v < d.count && s.first[v] < s.first[v + 1]) {
-        lists.first[v] = (s.first[v + 1] - s.first[v]) / 2 + 2;
-        if (is_left[v] != 0) {
-            left.vertex[atomicAdd(left.count, 1u)] = v;
-        }
-    }
-}
-
-/* Lists all vertices, near ones together, those that are marked in a list of their own.  A thread a simplex: a warp
-   adds all that it has at once. */
-__global__ void vertices_kernel(const diagram d, const unsigned char *is_left, const queue whole, const queue left)
+/* Lists all vertices, near ones together.  A thread a simplex: a warp adds all that it has at once. */
+__global__ void vertices_kernel(const diagram d, const queue list)
 {
     const size_t simplex = thread_number();
     uint32_t vertex[4], first = 0;
     int at[4], length = 0;
     for (size_t k = 0; k < 4; k++) {
         const uint32_t v = simplex < d.simplex_count ? d.simplices[4 * simplex + k] : none;
-        const bool own = v < d.count && d.incident[v] == simplex;
-        vertex[k] = own && is_left[v] == 0 ? v : none;
+        vertex[k] = v < d.count && d.incident[v] == simplex ? v : none;
         at[k] = append<32>(vertex[k] != none, length);
-        enqueue(left, own && is_left[v] != 0, v);
     }
     if ((threadIdx.x & 31) == 0 && length > 0) {
-        first = atomicAdd(whole.count, (uint32_t)length);
+        first = atomicAdd(list.count, (uint32_t)length);
     }
     first = __shfl_sync(all_lanes, first, 0);
     for (int k = 0; k < 4; k++) {
         if (vertex[k] != none) {
-            whole.vertex[first + (uint32_t)at[k]] = vertex[k];
+            list.vertex[first + (uint32_t)at[k]] = vertex[k];
         }
     }
 }
@@ -7307,55 +7273,62 @@ star_lists find_stars(call &c, const diagram &d)
     return lists;
 }
 
+/* Volumes and centroids in space but for those that are left, which are listed.  part: for facets, else NULL. */
+void sum_cells(call &c, const diagram &d, const stars &s, unsigned char *is_left, edge_parts *part,
+               const queue &left)
+{
+    const size_t simplices = d.simplex_count;
+    buffer<sums> sum(c, 4 * simplices);
+    contributions out = { {}, part, is_left };
+    for (size_t i = 0; i < 4; i++) {
+        out.sum[i] = sum.at + i * simplices;
+    }
+    fill(c, is_left, 0, c.count);
+    launch(c, "contributions",
+           part != NULL ? d.weights != NULL ? contribute_kernel<true, true> : contribute_kernel<false, true>
+                        : d.weights != NULL ? contribute_kernel<true, false> : contribute_kernel<false, false>,
+           over(simplices, contribute_block), d, out);
+    record_mark(c, 2);
+    launch(c, "sums", sum_kernel, over(4 * (size_t)d.count, 256), d, out, s, left);
+}
+
 /* Volumes and centroids alone, in space. */
 void space_cells(call &c, const diagram &d)
 {
-    const size_t simplices = d.simplex_count;
     const star_lists at = find_stars(c, d);
     buffer<unsigned char> is_left(c, c.count);
     left_cells left(c, d.count);
-    fill(c, is_left.at, 0, c.count);
-    {
-        buffer<sums> sum(c, 4 * simplices);
-        contributions out = { {}, is_left.at };
-        for (size_t i = 0; i < 4; i++) {
-            out.sum[i] = sum.at + i * simplices;
-        }
-        launch(c, "contributions", d.weights != NULL ? contribute_kernel<true> : contribute_kernel<false>,
-               over(simplices, contribute_block), d, out);
-        record_mark(c, 2);
-        launch(c, "sums", sum_kernel, over(4 * (size_t)d.count, 256), d, out, at.view(), left.list(0));
-        record_mark(c, 3);
-    }
+    sum_cells(c, d, at.view(), is_left.at, NULL, left.list(0));
+    record_mark(c, 3);
     build_stars(c, d, facet_lists(), at.view(), left);
 }
 
-/* All cells in space from their stars, with facets: first the counts of those that may be cut, then all. */
+/* Facets, too.  Those of cells that are left are made with their cells, then copied to their places among all. */
 void space_facets(call &c, const diagram &d, facet_lists &lists)
 {
-    const size_t simplices = d.simplex_count;
     const star_lists at = find_stars(c, d);
     buffer<unsigned char> is_left(c, c.count);
-    buffer<real> centres(c, 3 * simplices);
-    launch(c, "empty cells", empty_kernel<3>, over(d.count, 256), d, lists);
-    fill(c, is_left.at, 0, c.count);
-    {
-        left_cells left(c, d.count);
-        launch(c, "centres", judge_kernel, over(simplices, 128), d, centres.at, is_left.at);
-        launch(c, "counts", count_kernel, over(d.count, 256), d, at.view(), is_left.at, lists, left.list(0));
-        build_stars(c, d, lists, at.view(), left);
-    }
-    make_lists(c, d.count, lists);
-    record_mark(c, 2);
+    buffer<edge_parts> part(c, d.simplex_count);
+    buffer<size_t> begin(c, (size_t)d.count + 1);
+    buffer<uint32_t> vertex(c, (size_t)d.count + 1);
+    const queue list = { vertex.at + 1, vertex.at };
+    unsigned long long *const room = (unsigned long long *)begin.at + d.count;
     left_cells left(c, d.count);
-    buffer<uint32_t> whole(c, (size_t)d.count + 1);
-    const queue list = { whole.at + 1, whole.at };
-    fill(c, whole.at, 0, 1);
-    launch(c, "vertices", vertices_kernel, over(simplices, 256), d, is_left.at, list, left.list(0));
-    launch(c, "rings", ring_kernel, over((size_t)d.count * ring_lanes, 128), d, centres.at, lists, at.view(), list,
-           left.list(0));
+    sum_cells(c, d, at.view(), is_left.at, part.at, left.list(0));
+    facet_lists made = { lists.first, NULL, NULL, 0, begin.at, part.at, is_left.at };
+    fill(c, room, 0, 1);
+    launch(c, "counts", count_kernel, over(d.count, 256), d, at.view(), made, left.list(0), room);
+    const size_t all = read_back(c, begin.at + d.count, PBW_STAGE_WORK, 0.5);
+    buffer<uint32_t> neighbor(c, all);
+    buffer<double> area(c, all);
+    made.neighbor = neighbor.at;
+    made.area = area.at;
     record_mark(c, 3);
-    build_stars(c, d, lists, at.view(), left);
+    build_stars(c, d, made, at.view(), left);
+    make_lists(c, d.count, lists);
+    fill(c, vertex.at, 0, 1);
+    launch(c, "vertices", vertices_kernel, over(d.simplex_count, 256), d, list);
+    launch(c, "facets", facet_kernel, over((size_t)d.count * facet_lanes, 128), d, made, lists, at.view(), list);
 }
 
 /* All cells of the plane; with facets, their counts or the lists. */

@@ -110,7 +110,9 @@ typedef struct pbw_cells {                 /* start from {0}; read, do not write
     size_t facet_count, vertex_count, ray_count;
     const double *volumes;                 /* per cell: volume, in the plane area; HUGE_VAL if unbounded */
     const double *centroids;               /* dim per cell; of empty and unbounded cells the point itself */
-    const size_t *first;                   /* cell_count + 1: the facets of cell i are first[i] .. first[i+1]-1 */
+    const size_t *first;                   /* cell_count + 1: the facets of cell i are first[i] .. first[i+1]-1; in
+                                              space those of a cell that the domain does not cut are in the order of
+                                              the first simplices that its neighbours share with it */
     const pbw_index *neighbors;            /* per facet: the point beyond; PBW_NONE - 1 - k: wall k of the domain,
                                               where 2*axis and 2*axis+1 are the box, low and high, and planes
                                               follow; of a polygon the edge from corner k of rings to the next */
@@ -119,7 +121,8 @@ typedef struct pbw_cells {                 /* start from {0}; read, do not write
                                               where it was moved to; else NULL */
     const double *sites;                   /* pbw_cells_periodic: dim per cell: where its point was moved to; else
                                               NULL */
-    const double *areas;                   /* per facet: area, in the plane length; HUGE_VAL if unbounded */
+    const double *areas;                   /* per facet: area, in the plane length; HUGE_VAL if unbounded.  In space
+                                              two cells that the domain does not cut have the same of each other */
     const double *vertices;                /* dim each; the first ones are the centres of the mesh's simplices (it
                                               has none: of those of a mesh around the points) */
     const size_t *loop_first;              /* facet_count + 1 */
@@ -730,10 +733,7 @@ static int pbwc__cut(pbw_memory *memory, pbwc__cutter *cutter, int dim, const do
    walked from simplex to simplex: from v, u, p, q, positively oriented, the walk leaves across from p; q and the new
    corner are the next p and q.  A corner met for the first time is a new link, so the rings find all links.
    In the plane parts and links are counter-clockwise, and link i is between its parts `from` and `to`.
-   The centres S T ... of a ring are the corners of the cell's facet towards the link.  The edge ST adds to the cell
-   the tetrahedron of v, F, S and T, where F is where the facet's plane meets the line d from v to the link: 6 times
-   its signed volume is foot d.(S x T).  In the plane it adds the triangle v S T.  Twice the facet's area is the sum
-   of d.(S x T) / |d|.
+   The centres S T ... of a ring are the corners of the cell's facet towards the link.
    ------------------------------------------------------------------------------------------------------ */
 typedef struct pbwc__part { pbw_index simplex; double centre[3]; } pbwc__part;           /* centre: from v */
 typedef struct pbwc__link {
@@ -744,7 +744,8 @@ typedef struct pbwc__link {
     pbw_index ends[2];                     /* of an open ring: the last corners of the hull facets there */
     int from, to;                          /* in the plane: parts, -1 beyond the hull */
     double d[3], foot;                     /* from v; the plane between the cells is at foot * d */
-    double along;                          /* in space: twice the facet's area times |d| */
+    double area;                           /* in space: of the facet */
+    int listed;                            /* and: is it in the order of facets? */
 } pbwc__link;
 
 typedef struct pbwc__slot { uint32_t epoch; pbw_index key; int value; } pbwc__slot;
@@ -822,7 +823,7 @@ typedef PBW_ARRAY(pbwc__total) pbwc__totals;
 typedef struct pbwc__range {               /* the cells of a range, in their order */
     pbwc__indices cells, neighbors, loop_counts, loops;              /* cells: their points */
     pbwc__doubles areas, vertices, rays;
-    pbwc__totals totals;                   /* for volumes alone: of vertices that are shared or left */
+    pbwc__totals totals;                   /* in space: of vertices that are shared or left */
 } pbwc__range;
 
 typedef struct pbwc__end { int side, leaves, visit; } pbwc__end;     /* of a chain, at a link */
@@ -842,13 +843,13 @@ typedef struct pbwc__work {                /* of one range */
     PBW_ARRAY(pbwc__part) parts;           /* in the plane */
     PBW_ARRAY(pbwc__link) links;
     pbwc__indices rings;                   /* of all links, in space */
+    pbwc__indices star, order;             /* in space: its simplices; for facets, its links in their order */
     pbwc__map numbers;                     /* of links, or of parts, by vertex or simplex */
     pbwc__cutter cutter;
     pbwc__centres centres;                 /* kept */
     pbw_index site;                        /* the vertex of the star */
     int open;                              /* is the star at the hull? */
     unsigned flags;                        /* those that all centres have */
-    double sum[4];                         /* of a closed star: moments * 24 (in the plane 6), volume * 6 (2) */
     const pbwc__visit *visits;             /* of a polygon's edges in the cell */
     size_t visit_count;
     PBW_ARRAY(pbwc__end) ends;             /* of chains, in order */
@@ -930,8 +931,9 @@ struct pbwc__job {
     size_t *first;
     pbwc__sizes entries;                   /* with shapes, per point: where its loops' entries begin */
     pbwc__bytes cut;                       /* per point: was its cell cut? */
-    pbwc__bytes states;                    /* for volumes alone: flags of each point's totals */
+    pbwc__bytes states;                    /* in space: flags of each point's totals */
     pbwc__indices left;                    /* and cells left for stars */
+    pbwc__doubles parts;                   /* for facets in space: of each simplex, its parts of six facets' areas */
 };
 
 
@@ -1038,7 +1040,8 @@ PBW_INLINE pbwc__link *pbwc__add_link(pbwc__work *work, size_t dim, pbw_index ve
     }
     link = work->links.at + work->links.count++;
     link->vertex = vertex;
-    link->d[2] = 0;
+    link->open = link->listed = 0;
+    link->d[2] = link->area = 0;
     for (k = 0; k < dim; k++) {
         link->d[k] = mesh->points[vertex * dim + k] - mesh->points[v * dim + k];
         square += link->d[k] * link->d[k];
@@ -1078,8 +1081,9 @@ PBW_INLINE pbw_index pbwc__fourth(const pbw_mesh *mesh, pbw_index simplex, pbw_i
    0 if there is no memory. */
 static int pbwc__new_link3(pbwc__work *work, pbw_index vertex, pbw_index simplex, pbw_index p, pbw_index q)
 {
+    const int number = (int)work->links.count;
     pbwc__link *link = pbwc__add_link(work, 3, vertex);
-    if (link == NULL || pbwc__number(work->memory, &work->numbers, vertex, 0) < 0) {
+    if (link == NULL || pbwc__number(work->memory, &work->numbers, vertex, number) < 0) {
         return 0;
     }
     link->simplex = simplex;
@@ -1093,14 +1097,6 @@ PBW_INLINE int pbwc__is_known(const pbwc__map *map, pbw_index key)
     return map->slots.at[pbwc__slot_of(map, key)].epoch == map->epoch;
 }
 
-/* Sums over the edges ST of the ring of a link, with d from the site to the link: of w = d.(S x T), and of w (S + T).
-   */
-typedef struct pbwc__ring {
-    double d[3], along, moment[3];
-    double first[3], last[3];              /* centres */
-    unsigned flags;
-} pbwc__ring;
-
 PBW_INLINE void pbwc__cross(const double *s, const double *t, double *x)
 {
     x[0] = s[1] * t[2] - s[2] * t[1];
@@ -1108,36 +1104,19 @@ PBW_INLINE void pbwc__cross(const double *s, const double *t, double *x)
     x[2] = s[0] * t[1] - s[1] * t[0];
 }
 
-/* The edge from the last centre to t. */
-PBW_INLINE void pbwc__add_edge(pbwc__ring *ring, const double *t)
-{
-    double across[3], w;
-    int k;
-    pbwc__cross(ring->last, t, across);
-    w = ring->d[0] * across[0] + ring->d[1] * across[1] + ring->d[2] * across[2];
-    ring->along += w;
-    for (k = 0; k < 3; k++) {
-        ring->moment[k] += w * (ring->last[k] + t[k]);
-        ring->last[k] = t[k];
-    }
-}
-
 /* Walks from a simplex around the edge from the site to u, back to it or to the hull.  Notes the simplices and new
-   links, and adds to the sums, which hides the latency of fetching the next simplex.  at: simplex, p and q; updated.
-   Returns 1 if the walk came back, 0 at the hull, -1 if there is no memory. */
-PBW_INLINE int pbwc__walk(pbwc__work *work, pbw_index u, pbw_index at[3], pbwc__ring *ring)
+   links.  at: simplex, p and q; updated.  Returns 1 if the walk came back, 0 at the hull, -1 if there is no memory.
+   */
+PBW_INLINE int pbwc__walk(pbwc__work *work, pbw_index u, pbw_index at[3])
 {
     const pbw_mesh *mesh = work->job->mesh;
-    const double *site = mesh->points + 3 * (size_t)work->site;
     const pbw_index edge = work->site ^ u, first = at[0];
     pbw_index simplex = first, p = at[1], q = at[2], next;
-    double t[3];
-    ring->flags &= pbwc__from_site(work->job, work->centres.at, 3, site, simplex, ring->first);
-    memcpy(ring->last, ring->first, sizeof ring->last);
     for (;;) {
         next = pbwc__across(mesh, simplex, p);
         pbwc__prefetch(mesh, pbwc__across(mesh, simplex, u));    /* other rings will come there */
         if (!PBW_PUSH(work->memory, work->rings, simplex)
+            || (u < p && u < q && !PBW_PUSH(work->memory, work->star, simplex))      /* one of its three rings */
             || (!pbwc__is_known(&work->numbers, q) && !pbwc__new_link3(work, q, simplex, u, p))) {
             return -1;
         }
@@ -1147,10 +1126,7 @@ PBW_INLINE int pbwc__walk(pbwc__work *work, pbw_index u, pbw_index at[3], pbwc__
         simplex = next;
         p = q;
         q = pbwc__fourth(mesh, simplex, edge ^ q);
-        ring->flags &= pbwc__from_site(work->job, work->centres.at, 3, site, simplex, t);
-        pbwc__add_edge(ring, t);
     }
-    pbwc__add_edge(ring, ring->first);
     at[0] = simplex;
     at[1] = p;
     at[2] = q;
@@ -1163,20 +1139,17 @@ static int pbwc__walk_ring(pbwc__work *work, size_t number)
     const pbw_mesh *mesh = work->job->mesh;
     pbwc__link *link = work->links.at + number;
     const pbw_index u = link->vertex, edge = work->site ^ u;
-    const size_t begin = work->rings.count;
+    const size_t begin = work->rings.count, before = work->star.count;
     pbw_index at[3], low = PBW_NONE, next;
-    pbwc__ring ring;
-    int closed, k;
-    memset(&ring, 0, sizeof ring);
-    memcpy(ring.d, link->d, sizeof ring.d);
-    ring.flags = work->flags;
+    int closed;
     at[0] = link->simplex;
     at[1] = link->p;
     at[2] = link->q;
-    closed = pbwc__walk(work, u, at, &ring);
+    closed = pbwc__walk(work, u, at);
     if (closed == 0) {                               /* back to the hull at the other end, then again from there */
         work->open = 1;
         work->rings.count = begin;
+        work->star.count = before;
         while ((next = pbwc__across(mesh, at[0], at[2])) != PBW_NONE) {
             at[0] = next;
             at[2] = at[1];
@@ -1184,7 +1157,7 @@ static int pbwc__walk_ring(pbwc__work *work, size_t number)
         }
         low = at[1];
         if ((!pbwc__is_known(&work->numbers, low) && !pbwc__new_link3(work, low, at[0], at[2], u))
-            || pbwc__walk(work, u, at, &ring) < 0) {
+            || pbwc__walk(work, u, at) < 0) {
             return 0;
         }
     }
@@ -1194,13 +1167,35 @@ static int pbwc__walk_ring(pbwc__work *work, size_t number)
     link->open = closed == 0;
     link->ends[0] = low;
     link->ends[1] = at[2];
-    link->along = ring.along;
-    for (k = 0; k < 3; k++) {
-        work->sum[k] += link->foot * (ring.moment[k] + ring.along * (link->foot * ring.d[k]));
-    }
-    work->sum[3] += link->foot * ring.along;
-    work->flags = ring.flags;
     return closed >= 0;
+}
+
+/* The simplices of a closed star, without links.  Returns 0 if there is no memory. */
+static int pbwc__gather_simplices(pbwc__work *work)
+{
+    const pbw_mesh *mesh = work->job->mesh;
+    const pbw_index v = work->site;
+    size_t i, k;
+    pbwc__map_clear(&work->numbers);
+    if (!PBW_PUSH(work->memory, work->star, mesh->incident[v])
+        || pbwc__number(work->memory, &work->numbers, mesh->incident[v], 0) < 0) {
+        return 0;
+    }
+    for (i = 0; i < work->star.count; i++) {
+        const size_t at = 4 * (size_t)work->star.at[i];
+        for (k = 0; k < 4; k++) {
+            const pbw_index next = mesh->neighbors[at + k];
+            if (mesh->simplices[at + k] != v && !pbwc__is_known(&work->numbers, next)) {
+                pbwc__prefetch(mesh, next);
+                if (!PBW_PUSH(work->memory, work->star, next)
+                    || pbwc__number(work->memory, &work->numbers, next, 0) < 0) {
+                    return 0;
+                }
+            }
+        }
+    }
+    pbwc__map_clear(&work->numbers);
+    return 1;
 }
 
 static int pbwc__gather3(pbwc__work *work)
@@ -1297,14 +1292,19 @@ static int pbwc__add_sides(pbwc__work *work)
     return 1;
 }
 
-/* Gathers the star of v; in the plane with its links only if asked.  Returns 0 if there is no memory. */
-PBW_INLINE int pbwc__gather_some(pbwc__work *work, pbw_index v, int links)
+/* Starts with the star of v. */
+PBW_INLINE void pbwc__start_star(pbwc__work *work, pbw_index v)
 {
-    work->parts.count = work->rings.count = work->links.count = 0;
+    work->parts.count = work->rings.count = work->links.count = work->star.count = 0;
     work->site = v;
     work->open = 0;
     work->flags = PBWC__GOOD | PBWC__INSIDE;
-    memset(work->sum, 0, sizeof work->sum);
+}
+
+/* Gathers the star of v; in the plane with its links only if asked.  Returns 0 if there is no memory. */
+PBW_INLINE int pbwc__gather_some(pbwc__work *work, pbw_index v, int links)
+{
+    pbwc__start_star(work, v);
     return work->job->mesh->dim == 3 ? pbwc__gather3(work) : pbwc__gather2(work) && (!links || pbwc__add_sides(work));
 }
 
@@ -1327,6 +1327,8 @@ static void pbwc__work_end(pbwc__work *work)
     PBW_RELEASE(work->memory, work->centres);
     PBW_RELEASE(work->memory, work->parts);
     PBW_RELEASE(work->memory, work->rings);
+    PBW_RELEASE(work->memory, work->star);
+    PBW_RELEASE(work->memory, work->order);
     PBW_RELEASE(work->memory, work->links);
     PBW_RELEASE(work->memory, work->numbers.slots);
     PBW_RELEASE(work->memory, work->ends);
@@ -1351,6 +1353,9 @@ static pbw_index pbwc__root(pbw_index *merged, pbw_index s)
 /* ------------------------------------------------------------------------------------------------------
    >>volumes      Volumes and centroids of cells from their stars.
    In: a star.  Out: the moments of its cell, if it is closed and inside of the domain.
+   The edge ST of a ring adds to the cell the tetrahedron of v, F, S and T, where F is where the facet's plane meets
+   the line d from v to the link: 6 times its signed volume is foot d.(S x T).  In the plane it adds the triangle
+   v S T.
    ------------------------------------------------------------------------------------------------------ */
 /* Ends the sums of a cell: moments * 24 (in the plane 6), volume * 6 (2). */
 static void pbwc__set_cell(pbwc__job *job, pbw_index v, const double *sum)
@@ -1364,7 +1369,36 @@ static void pbwc__set_cell(pbwc__job *job, pbw_index v, const double *sum)
     }
 }
 
-static void pbwc__sum_star2(pbwc__work *work)
+/* Adds the cells' parts of the rings of all links to sum.  Clears flags that a centre does not have. */
+static void pbwc__sum_star3(pbwc__work *work, double *sum)
+{
+    const pbwc__job *job = work->job;
+    const double *site = job->mesh->points + 3 * (size_t)work->site;
+    size_t u, i;
+    int k;
+    for (u = 0; u < work->links.count; u++) {
+        const pbwc__link *link = work->links.at + u;
+        const pbw_index *ring = work->rings.at + link->begin;
+        double moment[3] = { 0, 0, 0 }, along = 0, s[3], t[3], across[3], w;
+        work->flags &= pbwc__from_site(job, work->centres.at, 3, site, ring[0], s);
+        for (i = 1; i <= link->count; i++) {
+            work->flags &= pbwc__from_site(job, work->centres.at, 3, site, ring[i < link->count ? i : 0], t);
+            pbwc__cross(s, t, across);
+            w = link->d[0] * across[0] + link->d[1] * across[1] + link->d[2] * across[2];
+            along += w;
+            for (k = 0; k < 3; k++) {
+                moment[k] += w * (s[k] + t[k]);
+                s[k] = t[k];
+            }
+        }
+        for (k = 0; k < 3; k++) {
+            sum[k] += link->foot * (moment[k] + along * (link->foot * link->d[k]));
+        }
+        sum[3] += link->foot * along;
+    }
+}
+
+static void pbwc__sum_star2(const pbwc__work *work, double *sum)
 {
     const pbwc__part *part = work->parts.at;
     const size_t count = work->parts.count;
@@ -1372,9 +1406,9 @@ static void pbwc__sum_star2(pbwc__work *work)
     for (i = 0; i < count; i++) {
         const double *s = part[i].centre, *t = part[i + 1 < count ? i + 1 : 0].centre;
         const double w = s[0] * t[1] - s[1] * t[0];
-        work->sum[0] += w * (s[0] + t[0]);
-        work->sum[1] += w * (s[1] + t[1]);
-        work->sum[3] += w;
+        sum[0] += w * (s[0] + t[0]);
+        sum[1] += w * (s[1] + t[1]);
+        sum[3] += w;
     }
 }
 
@@ -1383,13 +1417,19 @@ static int pbwc__star_volume(pbwc__work *work)
 {
     pbwc__job *job = work->job;
     const size_t dim = (size_t)job->mesh->dim, v = work->site;
-    if (job->bounded && (work->open || (job->clip == NULL && (work->flags & PBWC__INSIDE) == 0))) {
+    double sum[4] = { 0, 0, 0, 0 };
+    if (job->bounded && work->open) {
         return 0;
     }
     if (dim == 2) {
-        pbwc__sum_star2(work);
+        pbwc__sum_star2(work, sum);
+    } else {
+        pbwc__sum_star3(work, sum);
     }
-    pbwc__set_cell(job, work->site, work->sum);
+    if (job->bounded && job->clip == NULL && (work->flags & PBWC__INSIDE) == 0) {
+        return 0;
+    }
+    pbwc__set_cell(job, work->site, sum);
     if (work->open) {
         memcpy(job->centroids + v * dim, job->mesh->points + v * dim, dim * sizeof(double));
         job->volumes[v] = HUGE_VAL;
@@ -1398,12 +1438,15 @@ static int pbwc__star_volume(pbwc__work *work)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   >>totals       Volumes and centroids alone, in space: one pass over the simplices, without stars.
+   >>totals       Volumes and centroids in space: one pass over the simplices, without stars.
+   In: a mesh.  Out: volumes and centroids of cells that the domain does not cut; which ones it may cut.
    A simplex adds to the cells of its corners.  Let S be its centre, F the foot of S on the facet i j k, and M where
    the plane between the cells crosses the edge i j.  Cell i gets the signed tetrahedron i M F S; those of all
    simplices at i fill its cell.  With n the facet's inward normal, as long as twice its area,
        drop = (S - i).n / |n|^2,  F = S - drop n,
-       6 times the volume = |iM| / |ij| G drop,  2 G = |ij|^2 (i-k).(j-k) - |ij|^2 (w_k-w_i) + (j-i).(k-i) (w_j-w_i).
+       6 times the volume = |iM| / |ij| G drop,
+       2 G = |ij|^2 (i-k).(j-k) - |ij|^2 (w_k-w_i) + (j-i).(k-i) (w_j-w_i).
+   So the triangle M F S, a part of the facet between i and j, has the area G drop / (2 |ij|).
    G / |n|^2 is F's barycentric coordinate at k.  The three G of a facet add up to |n|^2, and the four (S - i).n to 6
    times the simplex, wherever S is: volumes are whole even where S is rounded badly.
    A chunk of simplices has a sum for each of its vertices.  A vertex is shared if a facet at it leads to another
@@ -1586,7 +1629,10 @@ PBW_INLINE void pbwc__sum_corners(pbwc__simplex_geometry *geometry, int weighted
     }
 }
 
-typedef struct pbwc__contribution { double sum[4][4][PBWC__LANES]; unsigned flags[PBWC__LANES]; } pbwc__contribution;
+typedef struct pbwc__contribution {
+    double sum[4][4][PBWC__LANES], given[6][PBWC__LANES], square[6][PBWC__LANES];
+    unsigned flags[PBWC__LANES];
+} pbwc__contribution;
 
 /* Computes the contributions of simplices from..from+LANES-1, the last one `last`, and the flags of their centres. */
 PBW_INLINE void pbwc__contribute(const pbwc__job *job, int weighted, size_t from, size_t last,
@@ -1594,14 +1640,14 @@ PBW_INLINE void pbwc__contribute(const pbwc__job *job, int weighted, size_t from
 {
     const pbw_mesh *mesh = job->mesh;
     pbwc__simplex_geometry geometry;
-    double x[3][PBWC__LANES], det[PBWC__LANES], square[3][PBWC__LANES];
+    double x[3][PBWC__LANES], det[PBWC__LANES], (*square)[PBWC__LANES] = contribution->square;
     pbwc__lanes volume;
     size_t i;
     pbwc__load(mesh, weighted, from, last, &geometry);
     volume = pbwc__find_centre(&geometry, weighted);
     memcpy(x, geometry.to[0], sizeof x);
     memcpy(det, &volume, sizeof det);
-    memcpy(square, geometry.square, sizeof square);
+    memcpy(square, geometry.square, sizeof contribution->square);
     for (i = 0; i < PBWC__LANES && from + i <= last; i++) {
         const double most = square[0][i] > square[1][i] ? square[0][i] : square[1][i];
         const double largest = most > square[2][i] ? most : square[2][i];
@@ -1623,6 +1669,7 @@ PBW_INLINE void pbwc__contribute(const pbwc__job *job, int weighted, size_t from
     memcpy(geometry.to[0], x, sizeof x);
     pbwc__sum_corners(&geometry, weighted);
     memcpy(contribution->sum, geometry.sum, sizeof contribution->sum);
+    memcpy(contribution->given, geometry.given, sizeof contribution->given);
 }
 
 static void pbwc__contribute_plain(const pbwc__job *job, size_t from, size_t last, pbwc__contribution *contribution)
@@ -1679,6 +1726,10 @@ static int pbwc__add_simplices(pbwc__adder *adder, size_t from, size_t to)
         (mesh->weights != NULL ? pbwc__contribute_weighted : pbwc__contribute_plain)(job, s, to - 1, &contribution);
         for (lane = 0; lane < PBWC__LANES && s + lane < to; lane++) {
             pbwc__classify(job, s + lane, from, to, contribution.flags[lane], flags);
+            for (i = 0; i < 6 && job->parts.at != NULL; i++) {
+                job->parts.at[6 * (s + lane) + i] = contribution.given[i][lane]
+                                                    / (2 * sqrt(contribution.square[i][lane]));
+            }
             for (i = 0; i < 4; i++) {
                 pbwc__total *total = pbwc__total_of(adder, mesh->simplices[4 * (s + lane) + i]);
                 if (total == NULL) {
@@ -1720,7 +1771,11 @@ static pbw_status pbwc__add_chunk(void *arg, size_t from, size_t to)
 
 /* ------------------------------------------------------------------------------------------------------
    >>facets       Facets read off stars.
-   In: a star.  Out: the facets of its cell, with neighbours, areas and corners.
+   In: a star, the parts of simplices.  Out: the facets of its cell, with neighbours, areas and corners.
+   In space the links are in the order in which the simplices of the star, ascending, have them, each simplex in the
+   order of pbwc__other3.  The area of a facet is the sum of the parts that the simplices at its edge, ascending, have
+   of it (>>totals): the same from both ends.
+   In the plane they are counter-clockwise.
    ------------------------------------------------------------------------------------------------------ */
 /* Appends a vector of 2 or 3 numbers to an array of doubles.  Returns its index there, PBW_NONE if there is no
    memory. */
@@ -1860,9 +1915,8 @@ static int pbwc__facet_done(pbwc__work *work, pbw_index neighbor, double area, s
 static int pbwc__link_facet3(pbwc__work *work, const pbwc__link *link)
 {
     const size_t begin = work->out->loops.count;
-    const double square = link->d[0] * link->d[0] + link->d[1] * link->d[1] + link->d[2] * link->d[2];
     return ((work->job->what & PBW_CELLS_SHAPES) == 0 || pbwc__loop3(work, link))
-           && pbwc__facet_done(work, link->vertex, link->open ? HUGE_VAL : link->along / (2 * sqrt(square)), begin);
+           && pbwc__facet_done(work, link->vertex, link->open ? HUGE_VAL : link->area, begin);
 }
 
 /* In the plane: the edge between the centres of two parts, of which one may be -1: then it is a ray. */
@@ -1885,14 +1939,65 @@ static int pbwc__link_facet2(pbwc__work *work, const pbwc__link *link)
     return pbwc__facet_done(work, link->vertex, length, begin);
 }
 
+/* Sorts in place (Shell). */
+static void pbwc__sort_star(pbw_index *star, size_t count)
+{
+    size_t gap = 1, i, j;
+    while (gap < count / 9) {
+        gap = 3 * gap + 1;
+    }
+    for (; gap > 0; gap /= 3) {
+        for (i = gap; i < count; i++) {
+            const pbw_index s = star[i];
+            for (j = i; j >= gap && star[j - gap] > s; j -= gap) {
+                star[j] = star[j - gap];
+            }
+            star[j] = s;
+        }
+    }
+}
+
+/* The order of the links, in space, and the areas towards them; makes links that are missing.  Returns 0 if there is
+   no memory. */
+static int pbwc__order_links(pbwc__work *work)
+{
+    static const unsigned char edge[4][4] = { { 0, 0, 1, 2 }, { 0, 0, 3, 4 }, { 1, 3, 0, 5 }, { 2, 4, 5, 0 } };
+    const pbwc__job *job = work->job;
+    size_t s, i, k;
+    work->order.count = 0;
+    pbwc__sort_star(work->star.at, work->star.count);
+    for (s = 0; s < work->star.count; s++) {
+        const pbw_index simplex = work->star.at[s], *corner = job->mesh->simplices + 4 * (size_t)simplex;
+        for (i = 0; corner[i] != work->site; i++) {
+        }
+        for (k = 0; k < 3; k++) {
+            const size_t j = pbwc__other3[i][k];
+            const int fresh = (int)work->links.count;
+            const int number = pbwc__number(work->memory, &work->numbers, corner[j], fresh);
+            pbwc__link *link = number == fresh ? pbwc__add_link(work, 3, corner[j]) : work->links.at + number;
+            if (number < 0 || link == NULL
+                || (!link->listed && !PBW_PUSH(work->memory, work->order, (pbw_index)number))) {
+                return 0;
+            }
+            link->listed = 1;
+            link->area += job->parts.at[6 * (size_t)simplex + edge[i][j]];
+        }
+    }
+    return 1;
+}
+
 /* The facets of the star.  Returns 0 if there is no memory. */
 static int pbwc__star_facets(pbwc__work *work)
 {
+    const int space = work->job->mesh->dim == 3;
     size_t u;
+    if (space && !pbwc__order_links(work)) {
+        return 0;
+    }
     for (u = 0; u < work->links.count; u++) {
-        const pbwc__link *link = work->links.at + u;
+        const pbwc__link *link = work->links.at + (space ? work->order.at[u] : u);
         if (pbwc__is_facet(work, link)
-            && !(work->job->mesh->dim == 3 ? pbwc__link_facet3(work, link) : pbwc__link_facet2(work, link))) {
+            && !(space ? pbwc__link_facet3(work, link) : pbwc__link_facet2(work, link))) {
             return 0;
         }
     }
@@ -4214,12 +4319,17 @@ static int pbwc__cell(pbwc__work *work, pbw_index v)
 {
     pbwc__job *job = work->job;
     const int facets = (job->what & PBW_CELLS_FACETS) != 0;
+    const int whole = job->parts.at != NULL && (job->states.at[v] & PBWC__LEFT) == 0;    /* its volume is known */
     double sum[4] = { 0, 0, 0, 0 };
     size_t k;
+    if (whole && (job->what & (PBW_CELLS_SHAPES | PBW_CELLS_MERGE)) == 0) {
+        pbwc__start_star(work, v);
+        return pbwc__gather_simplices(work) && pbwc__star_facets(work);
+    }
     if (!pbwc__gather_some(work, v, facets)) {
         return 0;
     }
-    if (pbwc__star_volume(work)) {
+    if (whole || pbwc__star_volume(work)) {
         return !facets || pbwc__star_facets(work);
     }
     if (!pbwc__cut_out(work, v)) {
@@ -4297,16 +4407,23 @@ static pbw_status pbwc__left_cells(void *arg, size_t from, size_t to)
     return good ? PBW_OK : PBW_ERROR_MEMORY;
 }
 
-/* Returns a status. */
+/* All cells in space; those that are left only if no facets are wanted.  Returns a status. */
 static pbw_status pbwc__add_all(pbwc__job *job, size_t chunks)
 {
     const pbw_options *options = &job->options;
-    pbw_status status = pbw_for(options, job->mesh->simplex_count, PBWC__CHUNK, pbwc__add_chunk, job);
+    const size_t simplices = job->mesh->simplex_count;
+    const int facets = (job->what & PBW_CELLS_FACETS) != 0;
+    pbw_status status = PBW_OK;
+    if (facets && !PBW_FIT(&job->memory, job->parts, 6 * simplices + 1)) {
+        return PBW_ERROR_MEMORY;
+    }
+    status = pbw_for(options, simplices, PBWC__CHUNK, pbwc__add_chunk, job);
     if (status == PBW_OK) {
         status = PBW_ZEROS(&job->memory, job->states, job->count) && pbwc__add_totals(job, chunks, &job->left)
                ? PBW_OK : PBW_ERROR_MEMORY;
     }
-    return status == PBW_OK ? pbw_for(options, job->left.count, PBWC__LEFTS, pbwc__left_cells, job) : status;
+    return status != PBW_OK || facets ? status
+         : pbw_for(options, job->left.count, PBWC__LEFTS, pbwc__left_cells, job);
 }
 
 /* The cell of v, with the counts of its facets and entries.  Returns a status. */
@@ -4884,9 +5001,10 @@ static pbw_status pbwc__compute(pbwc__job *job, const pbw_domain *domain)
     if (status == PBW_OK && job->clip != NULL && simplices > 0) {
         status = pbwc__start_clip(job);
     }
-    if (status == PBW_OK && job->mesh->dim == 3 && (job->what & PBW_CELLS_FACETS) == 0) {
+    if (status == PBW_OK && job->mesh->dim == 3) {
         status = pbwc__add_all(job, ranges);
-    } else if (status == PBW_OK) {
+    }
+    if (status == PBW_OK && (job->mesh->dim == 2 || (job->what & PBW_CELLS_FACETS) != 0)) {
         status = pbw_for(&job->options, simplices, PBWC__CHUNK, pbwc__cells_range, job);
     }
     if (status == PBW_OK && job->period != NULL) {
@@ -4943,6 +5061,7 @@ static pbw_status pbwc__run(pbwc__job *job, const pbw_domain *domain)
     PBW_RELEASE(&job->memory, job->cut);
     PBW_RELEASE(&job->memory, job->states);
     PBW_RELEASE(&job->memory, job->left);
+    PBW_RELEASE(&job->memory, job->parts);
     if (job->clip != NULL) {
         pbwc__end_clip(job);
     }
