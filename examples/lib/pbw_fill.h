@@ -246,6 +246,7 @@ typedef struct pbwfill__face {             /* at the boundary of a cavity */
     pbw_index wall;
     int side;                              /* of the facet's plane */
     pbw_index tet, corner;                 /* that fills the cavity here: its place in `made`, then itself */
+    double n[3];                           /* the unit normal, once that has been found */
 } pbwfill__face;
 
 typedef struct pbwfill__work {
@@ -1667,15 +1668,16 @@ static pbw_status pbwfill__wrap(pbwfill__work *w, int side, size_t most, pbwfill
     return status;
 }
 
-/* Joins all faces of a side to one vertex, which sees them. */
+/* Joins all faces of a side to one vertex, which sees them, but those that have it. */
 static pbw_status pbwfill__join(pbwfill__work *w, int side, pbw_index vertex)
 {
     pbwfill__indices open = { NULL, 0, 0 }, floor = { NULL, 0, 0 };
     pbw_status status = pbwfill__open_faces(w, side, &open) ? PBW_OK : PBW_ERROR_MEMORY;
     size_t i;
     for (i = 0; i < w->faces.count && status == PBW_OK; i++) {
-        if (w->faces.at[i].side == side) {
-            status = pbwfill__add_tet(w, w->faces.at[i].v, vertex, &open, &floor);
+        const pbwfill__face *f = w->faces.at + i;
+        if (f->side == side && f->v[0] != vertex && f->v[1] != vertex && f->v[2] != vertex) {
+            status = pbwfill__add_tet(w, f->v, vertex, &open, &floor);
         }
     }
     for (i = 0; i < open.count && status == PBW_OK; i += 3) {
@@ -2368,16 +2370,16 @@ static pbw_status pbwfill__find_regions(pbwfill__work *w)
 
 /* ------------------------------------------------------------------------------------------------------
    >>exact        Points taken off the surface's edges again.
-   In: the constrained triangulation, in which each triangle is a facet of its own; regions.  Out: one with fewer
-   vertices on the triangles' edges, or none.
-   The tetrahedra at such a point v are wedges between triangles that meet at its edge.  Without v, each triangle's
-   faces at v become others over the same polygon; these and the faces across from v enclose what is to be filled.  A
-   wedge is wrapped as a facet's cavity is.  Tetrahedra that are positive and that closed faces link fill it without
-   overlap, as its boundary is that of the wedge.  A wedge of no region keeps its tetrahedra, with v: flat ones
-   between v and the new faces link them to these.  If a wedge cannot be wrapped, a copy of v moves into it: faces
-   across from v have v on their positive side, so also all places near v, and the new faces in the wedge's planes
-   have all places within it.  The places on the positive side of all faces are convex, and the copy climbs there as
-   far from the nearest plane as it can.
+   In: the constrained triangulation; regions.  Out: one with fewer vertices on edges of facets, or none.
+   The tetrahedra at such a point v are wedges between facets that meet at its edge.  Without v, each facet's faces at
+   v become others over the same polygon; these and the faces across from v enclose what is to be filled.  Tetrahedra
+   that are positive and that closed faces link fill it without overlap, as its boundary is that of the wedge.  So all
+   faces are joined to one of their vertices that sees them, if there is one; else the wedge is wrapped as a facet's
+   cavity is.  A wedge of no region keeps its tetrahedra, with v: flat ones between v and the new faces link them to
+   these.  If there are no such tetrahedra, a copy of v moves into the wedge: faces across from v have v on their
+   positive side, so also all places near v, and the new faces in the wedge's planes have all places within it.  The
+   places on the positive side of all faces are convex, and the copy climbs there as far from the nearest plane as it
+   can.
    ------------------------------------------------------------------------------------------------------ */
 enum { PBWFILL__WRAPPED = 60, PBWFILL__STAR = 1500 };      /* most faces of wedges that are wrapped first; most
                                                               tetrahedra at a point */
@@ -2399,6 +2401,13 @@ typedef struct pbwfill__star {             /* of one vertex on an edge between t
     pbwfill__indices polygon, before, after;         /* before, after: of each vertex that was added on an edge, the
                                                         vertices beside it there; PBW_NONE of others */
 } pbwfill__star;
+
+typedef struct pbwfill__wedge {            /* to be filled: the space within faces of this `side` */
+    int number, may_add;                   /* may_add: a new vertex */
+    pbw_index region, v;                   /* v: a vertex that has all old faces, if the region is PBW_NONE */
+    size_t wrapped;                        /* most faces if it is to be wrapped */
+    double from[3], inward[3];             /* where a new vertex may be: near `from`, in this direction */
+} pbwfill__wedge;
 
 /* Lists the tetrahedra at v and numbers their wedges from 1 on: w->epoch + wedge in `seen`.  Returns 0 without
    memory. */
@@ -2646,6 +2655,17 @@ static void pbwfill__normal(const pbwfill__work *w, const pbw_index v[3], double
     }
 }
 
+/* Sets the normals of the wedge's faces. */
+static void pbwfill__find_normals(pbwfill__work *w, int wedge)
+{
+    size_t i;
+    for (i = 0; i < w->faces.count; i++) {
+        if (w->faces.at[i].side == wedge) {
+            pbwfill__normal(w, w->faces.at[i].v, w->faces.at[i].n);
+        }
+    }
+}
+
 /* How far x is inside of the plane that it is the least inside of, among the wedge's; n: that plane's normal. */
 static double pbwfill__depth(const pbwfill__work *w, int wedge, const double x[3], double n[3])
 {
@@ -2653,16 +2673,15 @@ static double pbwfill__depth(const pbwfill__work *w, int wedge, const double x[3
     size_t i;
     for (i = 0; i < w->faces.count; i++) {
         const pbwfill__face *f = w->faces.at + i;
-        double m[3], depth;
         const double *a = pbwfill__at(w, f->v[0]);
+        double depth;
         if (f->side != wedge) {
             continue;
         }
-        pbwfill__normal(w, f->v, m);
-        depth = m[0] * (x[0] - a[0]) + m[1] * (x[1] - a[1]) + m[2] * (x[2] - a[2]);
+        depth = f->n[0] * (x[0] - a[0]) + f->n[1] * (x[1] - a[1]) + f->n[2] * (x[2] - a[2]);
         if (depth < least) {
             least = depth;
-            memcpy(n, m, 3 * sizeof *n);
+            memcpy(n, f->n, sizeof f->n);
         }
     }
     return least;
@@ -2684,11 +2703,13 @@ static int pbwfill__sees_all(const pbwfill__work *w, int wedge, const double x[3
 
 /* Moves x away from the plane that it is the least inside of, among the wedge's, while that helps, by `step` and
    less; where x sees all faces, so does the place that it moves to. */
-static void pbwfill__climb(const pbwfill__work *w, int wedge, double x[3], double step, int tries)
+static void pbwfill__climb(pbwfill__work *w, int wedge, double x[3], double step, int tries)
 {
-    double n[3], m[3], y[3], depth = pbwfill__depth(w, wedge, x, n);
     const int seen = pbwfill__sees_all(w, wedge, x);
+    double n[3], m[3], y[3], depth;
     int k;
+    pbwfill__find_normals(w, wedge);
+    depth = pbwfill__depth(w, wedge, x, n);
     while (tries-- > 0) {
         double other;
         for (k = 0; k < 3; k++) {
@@ -2705,49 +2726,42 @@ static void pbwfill__climb(const pbwfill__work *w, int wedge, double x[3], doubl
     }
 }
 
-/* Finds a place in the wedge from which all of its faces are seen, from p in the direction d.  Returns 0 if there is
-   none. */
-static int pbwfill__find_place(const pbwfill__work *w, const double *p, const double d[3], int wedge, double x[3])
+/* Finds a place in the wedge from which all of its faces are seen.  Returns 0 if there is none. */
+static int pbwfill__find_place(pbwfill__work *w, const pbwfill__wedge *wedge, double x[3])
 {
+    const double *p = wedge->from, *d = wedge->inward;
     const double length = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
     double reach = 0, step;
     size_t i;
     int k, tries;
     for (i = 0; i < w->faces.count; i++) {
         const pbwfill__face *f = w->faces.at + i;
-        for (k = 0; k < 3 && f->side == wedge; k++) {
+        for (k = 0; k < 3 && f->side == wedge->number; k++) {
             reach = fmax(reach, pbwfill__distance(p, pbwfill__at(w, f->v[k])));
         }
     }
-    if (!(length > 0)) {
-        return 0;
-    }
-    for (tries = 0, step = reach; tries < 60; tries++, step /= 2) {
+    for (tries = 0, step = reach; tries < 60 && length > 0; tries++, step /= 2) {
         for (k = 0; k < 3; k++) {
             x[k] = p[k] + step * d[k] / length;
         }
-        if (pbwfill__sees_all(w, wedge, x)) {
-            break;
+        if (pbwfill__sees_all(w, wedge->number, x)) {
+            pbwfill__climb(w, wedge->number, x, step, 24);
+            return 1;
         }
     }
-    if (tries == 60) {
-        return 0;
-    }
-    pbwfill__climb(w, wedge, x, step, 24);
-    return 1;
+    return 0;
 }
 
 /* The direction from v into a wedge: the sum of the normals of its two sides. */
-static void pbwfill__find_inward(const pbwfill__work *w, const pbwfill__star *star, int wedge, double d[3])
+static void pbwfill__find_inward(const pbwfill__work *w, const pbwfill__star *star, pbwfill__wedge *wedge)
 {
-    const double *v = pbwfill__at(w, star->v);
-    double n[3];
+    double *d = wedge->inward, n[3];
     size_t i;
     int k;
     d[0] = d[1] = d[2] = 0;
     for (i = 0; i < star->sectors.count; i++) {      /* those at a: one of each side of the wedge */
         const pbwfill__sector *s = star->sectors.at + i;
-        if (s->wedge == wedge && (s->x == star->a || s->y == star->a)) {
+        if (s->wedge == wedge->number && (s->x == star->a || s->y == star->a)) {
             pbw_index face[3];
             face[0] = star->v, face[1] = s->x, face[2] = s->y;
             pbwfill__normal(w, face, n);
@@ -2761,30 +2775,10 @@ static void pbwfill__find_inward(const pbwfill__work *w, const pbwfill__star *st
     }
     for (i = 0; i < 3 * w->faces.count; i++) {       /* all around one triangle: away from it */
         const pbwfill__face *f = w->faces.at + i / 3;
-        for (k = 0; k < 3 && f->side == wedge; k++) {
-            d[k] += pbwfill__at(w, f->v[i % 3])[k] - v[k];
+        for (k = 0; k < 3 && f->side == wedge->number; k++) {
+            d[k] += pbwfill__at(w, f->v[i % 3])[k] - wedge->from[k];
         }
     }
-}
-
-/* Fills the space without volume between walls at v and new faces, in front of a wedge of no region. */
-static pbw_status pbwfill__fill_flat(pbwfill__work *w, int wedge, pbw_index v)
-{
-    pbwfill__indices open = { NULL, 0, 0 }, floor = { NULL, 0, 0 };
-    pbw_status status = pbwfill__open_faces(w, wedge, &open) ? PBW_OK : PBW_ERROR_MEMORY;
-    size_t i;
-    for (i = 0; i < w->faces.count && status == PBW_OK; i++) {
-        const pbwfill__face f = w->faces.at[i];
-        if (f.side == wedge && f.wall != PBW_NONE && f.v[0] != v && f.v[1] != v && f.v[2] != v) {
-            status = pbwfill__add_tet(w, f.v, v, &open, &floor);
-        }
-    }
-    while (status == PBW_OK && w->made_region.count < w->made.count) {
-        status = PBW_PUSH(&w->memory, w->made_region, PBW_NONE) ? PBW_OK : PBW_ERROR_MEMORY;
-    }
-    PBW_RELEASE(&w->memory, open);
-    PBW_RELEASE(&w->memory, floor);
-    return status;
 }
 
 /* Takes walls off the tetrahedra of no region before which there are flat ones now, and puts those made in their
@@ -2822,28 +2816,71 @@ static size_t pbwfill__list_wedge(pbwfill__work *w, int wedge)
     return faces;
 }
 
-/* Fills a wedge of a region: wrapped, if it has no more than `most` faces, or around a new vertex, which is found
-   from p in the direction d; p NULL: none. */
-static pbw_status pbwfill__fill_wedge(pbwfill__work *w, int wedge, pbw_index region, size_t most, const double *p,
-                                      const double d[3])
+/* Whether u sees all faces of the wedge but its own, and is farther than *depth from their planes; sets that. */
+static int pbwfill__is_hub(const pbwfill__work *w, int wedge, pbw_index u, double *depth)
 {
-    const size_t base = w->made.count, faces = pbwfill__list_wedge(w, wedge);
-    pbwfill__indices floor = { NULL, 0, 0 };
-    pbw_status status = faces == PBW_NONE ? PBW_ERROR_MEMORY : PBW_DEGENERATE;
-    double x[3];
-    if (status == PBW_DEGENERATE && faces <= most) {
-        status = pbwfill__wrap(w, wedge, base + 3 * faces + 30, &floor);
+    const double *x = pbwfill__at(w, u), most = *depth;
+    size_t i;
+    int exact;
+    *depth = HUGE_VAL;
+    for (exact = 0; exact < 2; exact++) {
+        for (i = 0; i < w->faces.count && *depth > most; i++) {
+            const pbwfill__face *f = w->faces.at + i;
+            const double *o = pbwfill__at(w, f->v[0]);
+            if (f->side != wedge || f->v[0] == u || f->v[1] == u || f->v[2] == u) {
+                continue;
+            }
+            if (exact && pbwfill__orient(w, f->v[0], f->v[1], f->v[2], u) <= 0) {
+                return 0;
+            }
+            *depth = fmin(*depth, f->n[0] * (x[0] - o[0]) + f->n[1] * (x[1] - o[1]) + f->n[2] * (x[2] - o[2]));
+        }
     }
-    if (status == PBW_DEGENERATE && p != NULL && pbwfill__find_place(w, p, d, wedge, x)) {
+    return *depth > most;
+}
+
+/* Returns the vertex of the wedge's faces that sees all of these but its own: the one that is the farthest from
+   their planes; PBW_NONE if there is none. */
+static pbw_index pbwfill__find_hub(pbwfill__work *w, int wedge)
+{
+    pbw_index best = PBW_NONE;
+    double most = 0;
+    size_t i;
+    pbwfill__find_normals(w, wedge);
+    for (i = 0; i < w->rest.count; i++) {
+        double depth = most;
+        if (pbwfill__is_hub(w, wedge, w->rest.at[i], &depth)) {
+            most = depth;
+            best = w->rest.at[i];
+        }
+    }
+    return best;
+}
+
+/* Fills a wedge: one of no region from its vertex v, without volume; others from one of their vertices, wrapped, or
+   around a new vertex. */
+static pbw_status pbwfill__fill_wedge(pbwfill__work *w, const pbwfill__wedge *wedge)
+{
+    const size_t base = w->made.count, faces = pbwfill__list_wedge(w, wedge->number);
+    const pbw_index hub = wedge->region == PBW_NONE ? wedge->v : pbwfill__find_hub(w, wedge->number);
+    pbwfill__indices floor = { NULL, 0, 0 };
+    pbw_status status = faces == PBW_NONE ? PBW_ERROR_MEMORY : hub == PBW_NONE ? PBW_DEGENERATE
+                      : pbwfill__join(w, wedge->number, hub);
+    double x[3];
+    if (status == PBW_DEGENERATE && faces <= wedge->wrapped && wedge->region != PBW_NONE) {
+        w->made.count = base;
+        status = pbwfill__wrap(w, wedge->number, base + 3 * faces + 30, &floor);
+    }
+    if (status == PBW_DEGENERATE && wedge->may_add && wedge->region != PBW_NONE && pbwfill__find_place(w, wedge, x)) {
         w->made.count = base;
         if (!pbwfill__new_vertex(w, x)) {
             return PBW_ERROR_MEMORY;
         }
         w->sign.at[w->sign.count - 1] = 1;
-        status = pbwfill__join(w, wedge, (pbw_index)(pbwfill__vertices(w) - 1));
+        status = pbwfill__join(w, wedge->number, (pbw_index)(pbwfill__vertices(w) - 1));
     }
     while (status == PBW_OK && w->made_region.count < w->made.count) {
-        status = PBW_PUSH(&w->memory, w->made_region, region) ? PBW_OK : PBW_ERROR_MEMORY;
+        status = PBW_PUSH(&w->memory, w->made_region, wedge->region) ? PBW_OK : PBW_ERROR_MEMORY;
     }
     PBW_RELEASE(&w->memory, floor);
     return status;
@@ -2852,9 +2889,9 @@ static pbw_status pbwfill__fill_wedge(pbwfill__work *w, int wedge, pbw_index reg
 /* Removes v, which is at the star's, from all of its wedges.  *done: 0 if it has to stay. */
 static pbw_status pbwfill__remove(pbwfill__work *w, pbwfill__star *star, int *done)
 {
+    pbwfill__wedge wedge;
     pbw_status status = PBW_OK;
-    double p[3];
-    int wedge, ears;
+    int ears;
     *done = 0;
     w->made.count = w->made_region.count = 0;
     if (!pbwfill__find_wedges(w, star) || !pbwfill__list_star(w, star)) {
@@ -2868,16 +2905,14 @@ static pbw_status pbwfill__remove(pbwfill__work *w, pbwfill__star *star, int *do
     if (!pbwfill__close_wedges(w, star)) {
         return PBW_ERROR_MEMORY;
     }
-    for (wedge = 1; wedge <= star->wedges && status == PBW_OK; wedge++) {
-        const pbw_index region = star->regions.at[wedge];
-        if (region == PBW_NONE) {
-            status = pbwfill__fill_flat(w, wedge, star->v);
-        } else {
-            double d[3];
-            pbwfill__find_inward(w, star, wedge, d);
-            memcpy(p, pbwfill__at(w, star->v), sizeof p);        /* as vertices may move in memory */
-            status = pbwfill__fill_wedge(w, wedge, region, star->wrapped, star->a == PBW_NONE ? NULL : p, d);
-        }
+    memcpy(wedge.from, pbwfill__at(w, star->v), sizeof wedge.from);
+    wedge.v = star->v;
+    wedge.wrapped = star->wrapped;
+    wedge.may_add = star->a != PBW_NONE;
+    for (wedge.number = 1; wedge.number <= star->wedges && status == PBW_OK; wedge.number++) {
+        wedge.region = star->regions.at[wedge.number];
+        pbwfill__find_inward(w, star, &wedge);
+        status = pbwfill__fill_wedge(w, &wedge);
     }
     if (status != PBW_OK) {
         return status == PBW_DEGENERATE ? PBW_OK : status;
@@ -3191,8 +3226,8 @@ static pbw_status pbwfill__flip(pbwfill__work *w, pbwfill__flats *f, pbw_index a
     pbwfill__part to[2];
     pbw_status status = PBW_OK;
     pbw_index *gone[2];
-    double middle[3], normal[3];
-    int side, k;
+    pbwfill__wedge wedge;
+    int k;
     if (pbwfill__look_up(&w->segments, a < b ? a : b, a < b ? b : a, PBW_NONE) != PBW_NONE) {
         return pbwfill__refuse(w, PBW_FILL_CROSSING, w->members.at[w->facet_first.at[f->facet]], PBW_NONE);
     }
@@ -3207,15 +3242,19 @@ static pbw_status pbwfill__flip(pbwfill__work *w, pbwfill__flats *f, pbw_index a
     if (!pbwfill__list_wedges(w, f, a, b, at, to)) {
         return PBW_ERROR_MEMORY;
     }
-    pbwfill__normal(w, to[0].v, normal);
+    pbwfill__normal(w, to[0].v, wedge.inward);
     for (k = 0; k < 3; k++) {
-        middle[k] = (pbwfill__at(w, a)[k] + pbwfill__at(w, b)[k]) / 2;
+        wedge.from[k] = (pbwfill__at(w, a)[k] + pbwfill__at(w, b)[k]) / 2;
     }
-    for (side = 0; side < 2 && status == PBW_OK; side++) {
-        const pbw_index region = w->region.at[to[0].tets[side]];
-        status = region == PBW_NONE ? pbwfill__fill_flat(w, side + 1, b)
-               : pbwfill__fill_wedge(w, side + 1, region, PBWFILL__WRAPPED, middle, normal);
-        normal[0] = -normal[0], normal[1] = -normal[1], normal[2] = -normal[2];
+    wedge.v = b;
+    wedge.wrapped = PBWFILL__WRAPPED;
+    wedge.may_add = 1;
+    for (wedge.number = 1; wedge.number <= 2 && status == PBW_OK; wedge.number++) {
+        wedge.region = w->region.at[to[0].tets[wedge.number - 1]];
+        status = pbwfill__fill_wedge(w, &wedge);
+        for (k = 0; k < 3; k++) {
+            wedge.inward[k] = -wedge.inward[k];
+        }
     }
     status = status != PBW_OK ? status : pbwfill__replace_wedges(w);
     if (status != PBW_OK) {
