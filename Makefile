@@ -167,7 +167,7 @@ $B/oracle_voro: tests/oracle_voro.cpp $(HEADERS) $B/libpbw.a
 # Tests: each writes $B/NAME.log, which ends with its counts.  COUNT_NAME=n is for one, COUNT=n for all others.
 OWN = $(or $(COUNT_$(<F)),$(COUNT))
 HOW = $(if $(OWN),--count $(OWN),$(if $(QUICK),$(QUICK_$(<F)))) $(if $(UNDER),$(UNDER_$(<F))) \
-    $(if $(SANITIZED),$(SANITIZED_$(<F)))
+    $(if $(SANITIZED),$(SANITIZED_$(<F))) $(if $(TSAN),$(TSAN_$(<F)))
 $(TESTS:%=$B/%.log): $B/%.log: $B/% FORCE
 	@sh tests/run.sh $@ $(UNDER) $< $(HOW)
 
@@ -236,6 +236,9 @@ SANITIZE_asan = address
 SANITIZE_ubsan = undefined -fno-sanitize-recover=all
 SANITIZE_tsan = thread
 SANITIZE_sanitize = address,undefined -fno-sanitize-recover=all -fno-sanitize=object-size   # which `address` sees, too
+tsan: export TSAN = 1            # without failing allocations in space, and a test whose tasks do not overlap
+TSAN_test_live_local = --without 'allocation fails: 3D'
+TSAN_test_threads = --without 'grows once: terrain'
 SANITIZED_test_resources = --without '1 threads' --without 'threads, '     # two of 12 builds of 200,000 points
 
 # All but builds of 10,000 points and more, which take minutes there, and the test that reads a thread's dead stack.
