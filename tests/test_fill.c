@@ -621,37 +621,146 @@ static size_t fail_allocations(const pbw_fill_input *in, const pbw_fill_options 
     return peak;
 }
 
-/* Points that go back to the grid turn tetrahedra that were filled again before (without beginning again, one). */
+/* Points that go back to the grid turn tetrahedra that were filled again before: without beginning again, some. */
 static void test_turned_later(void)
 {
-    static part m;
-    if (test_begin("tetrahedra that turn later")) {
-        const double a = 0.37 * 140, b = 0.61 * 140 + 1;
-        pbw_fill_report report;
-        pbw_fill_input in;
-        pbw_filled f;
-        size_t i;
-        (void)part_make(PART_HOLE, 1, &m);
-        for (i = 0; i < m.points; i++) {
-            double *p = m.x[i];
-            const double x = p[0], y = p[1], z = p[2], v = sin(a) * x + cos(a) * y;
-            p[0] = cos(a) * x - sin(a) * y, p[1] = cos(b) * v - sin(b) * z, p[2] = sin(b) * v + cos(b) * z;
-        }
-        in = input_of(m.x[0], m.points, m.t[0], m.triangles);
-        if (CHECK_EQUAL(pbw_fill(&in, NULL, NULL, &f, &report), PBW_OK)) {
-            CHECK_EQUAL(report.flat_tets, 0);
-            CHECK_EQUAL(follow(m.x[0], &f), report.rounded);
-            {
-                result_copy c = copy_of(&f);
-                const char *wrong = fault_of(&in, &c, 2, enclosed(&in));
-                if (!CHECK(wrong == NULL)) {
-                    test_say("%s", wrong);
-                }
-                free_copy(&c);
+    static const struct { size_t part; double wide; int conforming; } cases[3] = {
+        { PART_HOLE, 810, 1 }, { PART_TUBES, 196830, 1 }, { PART_HOLE, 590490, 0 }
+    };
+    size_t i, k;
+    for (i = 0; i < 3; i++) {
+        if (test_begin("tetrahedra that turn later, %zu", i)) {
+            static part m;
+            pbw_fill_options how;
+            pbw_fill_report report;
+            pbw_fill_input in;
+            pbw_filled f;
+            (void)part_make(cases[i].part, 1, &m);
+            big.points = big.triangles = 0;
+            add_box(-cases[i].wide, cases[i].wide);
+            for (k = 0; k < m.points; k++) {
+                (void)point(m.x[k][0], m.x[k][1], m.x[k][2]);
             }
+            for (k = 0; k < m.triangles; k++) {
+                triangle((size_t)8 + m.t[k][0], (size_t)8 + m.t[k][1], (size_t)8 + m.t[k][2]);
+            }
+            memset(&how, 0, sizeof how);
+            how.conforming = cases[i].conforming;
+            how.nested = 1;
+            in = input_of_big();
+            if (CHECK_EQUAL(pbw_fill(&in, &how, NULL, &f, &report), PBW_OK)) {
+                CHECK_EQUAL(report.flat_tets, 0);
+                CHECK_EQUAL(follow(big.x[0], &f), report.rounded);
+                {
+                    result_copy c = copy_of(&f);
+                    const char *wrong = fault_of(&in, &c, 2, pow(2 * cases[i].wide, 3));
+                    if (!CHECK(wrong == NULL)) {
+                        test_say("%s", wrong);
+                    }
+                    free_copy(&c);
+                }
+            }
+            pbw_fill_free(&f);
+            if (i == 0) {
+                (void)fail_allocations(&in, &how, 4);
+            }
+            test_end();
         }
-        pbw_fill_free(&f);
-        (void)fail_allocations(&in, NULL, 4);
+    }
+}
+
+/* Appends the part, its coordinates rounded to 2^-14, with that scale and place. */
+static void add_part(size_t number, double scale, double place)
+{
+    static part m;
+    const size_t first = big.points;
+    size_t i;
+    (void)part_make(number, 1, &m);
+    for (i = 0; i < m.points; i++) {
+        double x[3];
+        int k;
+        for (k = 0; k < 3; k++) {
+            x[k] = place + scale * ldexp(floor(ldexp(m.x[i][k], 14) + 0.5), -14);
+        }
+        (void)point(x[0], x[1], x[2]);
+    }
+    for (i = 0; i < m.triangles; i++) {
+        triangle(first + m.t[i][0], first + m.t[i][1], first + m.t[i][2]);
+    }
+}
+
+/* Details below the coarsest grid: filled exactly, and refused only where no doubles are on edges. */
+static void test_fine(void)
+{
+    pbw_fill_options how;
+    pbw_fill_input in;
+    size_t i;
+    memset(&how, 0, sizeof how);
+    how.nested = 1;
+    if (test_begin("details of 2^-30 of the box")) {
+        const double wide = ldexp(1, 18);
+        for (i = 0; i < PART_COUNT; i++) {
+            big.points = big.triangles = 0;
+            add_box(0, wide);
+            add_part(i, ldexp(1, -12), ldexp(1, 17) + (double)i);
+            in = input_of_big();
+            how.conforming = i % 2 == 0;
+            (void)fill_and_check(&in, &how, wide * wide * wide);
+        }
+        how.conforming = 0;
+        (void)fail_allocations(&in, &how, 4);
+        test_end();
+    }
+    if (test_begin("shells near each other")) {
+        for (i = 30; i <= 52; i++) {                 /* the last ones are one double apart */
+            const double gap = ldexp(1, -(int)i);
+            how.conforming = i > 50;                 /* no place there for points that are taken off edges */
+            big.points = big.triangles = 0;
+            add_box(-2, 2), add_box(-1, 1), add_box(-1 - gap, 1 + gap);
+            in = input_of_big();
+            CHECK_EQUAL(fill_and_check(&in, &how, 64), 3);
+            big.points = big.triangles = 0;
+            add_box(-1, 1), add_box(1 + gap, 3);
+            in = input_of_big();
+            CHECK_EQUAL(fill_and_check(&in, &how, enclosed(&in)), 2);
+        }
+        for (i = 30; i <= 270; i += 30) {
+            const double half = pow(10, -(double)i);
+            how.conforming = i > 60;
+            big.points = big.triangles = 0;
+            add_box(-1, 1), add_box(-half, half);
+            in = input_of_big();
+            CHECK_EQUAL(fill_and_check(&in, &how, 8), 2);
+        }
+        test_end();
+    }
+    if (test_begin("an edge without doubles on it")) {
+        pbw_filled f;
+        pbw_fill_report report;
+        static part m;
+        size_t k, left = 0, right = 0;
+        (void)part_make(PART_L, 1, &m);
+        big.points = big.triangles = 0;
+        for (i = 0; i < m.points; i++) {             /* the corner on the left beside that on the right */
+            left = m.x[i][0] < m.x[left][0] ? i : left;
+            right = m.x[i][0] > m.x[right][0] ? i : right;
+        }
+        for (i = 0; i < 2 * m.points; i++) {
+            double x[3];
+            for (k = 0; k < 3; k++) {
+                x[k] = m.x[i % m.points][k] + (i < m.points ? 0 : m.x[right][k] - m.x[left][k]);
+            }
+            (void)point(i < m.points ? x[0] : x[0] + 1e-15, x[1], x[2]);
+        }
+        for (i = 0; i < 2 * m.triangles; i++) {
+            const pbw_index *t = m.t[i % m.triangles];
+            const size_t first = i < m.triangles ? 0 : m.points;
+            triangle(first + t[0], first + t[1], first + t[2]);
+        }
+        in = input_of_big();
+        CHECK_EQUAL(pbw_fill(&in, NULL, NULL, &f, &report), PBW_DEGENERATE);
+        CHECK_EQUAL(report.refusal, PBW_FILL_TOO_FINE);
+        CHECK(report.faults[0][0] < report.faults[0][1] && report.faults[0][1] < big.points);
         test_end();
     }
 }
@@ -1091,10 +1200,10 @@ static void test_refusals(void)
         expect(&in, PBW_DEGENERATE, PBW_FILL_CROSSING);
         big.points = big.triangles = 0;
         add_box(-1, 1), add_box(-2, 2);
-        big.x[0][0] = -1 - ldexp(1, -40);            /* thinner than the grid */
+        big.x[0][0] = -1 - ldexp(1, -40);            /* by less than the grid has */
         big.x[8][0] = -1, big.x[8][1] = -1, big.x[8][2] = -1;
         in = input_of_big();
-        expect(&in, PBW_DEGENERATE, PBW_FILL_TOO_FINE);
+        expect(&in, PBW_DEGENERATE, PBW_FILL_CROSSING);
         big.points = big.triangles = 0;
         add_box(0, 1);
         in = input_of_big();
@@ -1220,6 +1329,7 @@ int main(int argc, char **argv)
     test_stars();
     test_off_grid();
     test_turned_later();
+    test_fine();
     test_improvement();
     test_inside();
     test_cells();

@@ -38,7 +38,8 @@
 
    HOW
    1. Points are moved to a grid of 2^-29 of the surface's box, on which places between two of them are exact doubles:
-      all signs are then those of pbw.h.  A box around the surface is triangulated with them.
+      all signs are then those of pbw.h.  Where that is too coarse, the grid has 2^-37 or 2^-45, or points stay as
+      they are, with fewer such places.  A box around the surface is triangulated with them.
    2. Edges of the triangles are segments, but for those between coplanar ones.  A segment that is no edge of the
       triangulation gets a point, until all pieces of segments are edges (Si and Gaertner 2005).
    3. Then the constrained Delaunay triangulation exists, and is unique under pbw.h's tie rule (Shewchuk 1998).  Where
@@ -60,13 +61,13 @@
                  input's triangles, each once, unless report.refusal is PBW_FILL_POINTS_LEFT: then, and with
                  options.conforming, each triangle, or each flat facet of coplanar ones, is a union of facets
      told        the input's triangle of each facet; why and where an input is refused; points that moved.  Near
-                 misses are no reason to refuse, down to the grid
+                 misses are no reason to refuse
      same        the same bytes for any number of threads
      bounded     no recursion, and no assert on any input
 
    DOES NOT  work on several threads, but for the first triangulation, the search for crossings and for missing
              segments, the last check, and improvement.
-             Triangles nearer to each other than 2^-29 of the box may cross on the grid, and are refused then.
+             Surfaces with details below 2^-29 of the box are refused where edges need points that no doubles have.
              Points added on an edge are at the double nearest to it, which is on it if its ends are on the grid.  Far
              from the origin, as seen against the box, tetrahedra may be flat: report.flat_tets.
 
@@ -135,7 +136,8 @@ enum {                                     /* why an input is refused, with PBW_
     PBW_FILL_CROSSING,                     /* triangles or segments meet elsewhere than in common corners and edges */
     PBW_FILL_FLAT,                         /* a triangle has no area */
     PBW_FILL_OPEN,                         /* a triangle has the outside on both sides */
-    PBW_FILL_TOO_FINE,                     /* the grid of 2^-29 of the box is too coarse for it */
+    PBW_FILL_TOO_FINE,                     /* an edge needs a point that no doubles have; or magnitudes differ by more
+                                              than doubles hold */
     PBW_FILL_SEED,                         /* a seed lies on a facet, or two seeds of one region differ in number */
     PBW_FILL_POINTS_LEFT                   /* the status is PBW_OK, but some points stay on edges, without
                                               options.conforming */
@@ -211,6 +213,7 @@ PBW_CONTRACTION_OFF                        /* fused operations would give other 
    corners of the box, then points that were added; at[v] is a tetrahedron of v, PBW_NONE for duplicates.
    ------------------------------------------------------------------------------------------------------ */
 enum { PBWFILL__STEPS = 22,                /* places on a segment are multiples of 2^-22 of it */
+       PBWFILL__LEVELS = 3,                /* of the grid */
        PBWFILL__GRAIN = 4096 };            /* items of a range of pbw_for */
 
 typedef PBW_ARRAY(pbw_index) pbwfill__indices;
@@ -261,8 +264,10 @@ typedef struct pbwfill__work {
     int cancelled, stage;                  /* stage: its number */
     int starved;                           /* memory was short where only a place or a truth is returned */
     clock_t since;
+    int level, tries;                      /* of the grid: it has 2^-(29 + 8 level) of the box, none from LEVELS on;
+                                              how many levels were in vain */
     int exponent;                          /* coordinates of the input times 2^-exponent are below 1 */
-    double unit, origin[3];                /* of the grid, for coordinates below 1 */
+    double unit, origin[3];                /* of the coarsest grid, for coordinates below 1 */
     pbwfill__doubles x;                    /* 3 a vertex, in units from the origin; in >>places the caller's */
     size_t inputs;                         /* how many vertices are the input's */
     pbwfill__indices canonical;            /* of each of them: the first at its place */
@@ -356,7 +361,7 @@ static int pbwfill__begin(pbwfill__work *w, int stage, const char *name, double 
     w->since = now;
     w->stage = stage;
     w->from = w->done = w->to;
-    w->to = to;
+    w->to = fmax(to, w->to);
     if (name != NULL && w->how.stage != NULL) {
         *w->how.stage = name;
     }
@@ -526,14 +531,41 @@ static int pbwfill__new_vertex(pbwfill__work *w, const double p[3])
 
 /* ------------------------------------------------------------------------------------------------------
    >>grid         Points moved to a grid on which points between them are exact.
-   In: the input's points.  Out: vertices, with integers from 0 to 2^29 for coordinates; the box's corners.
-   Holds: a point a + m 2^-22 (b - a) between two of these, m an integer, is a triple of doubles, computed without
-   rounding: b - a has at most 30 bits, times m 52; the sum is below 2^30 and a multiple of 2^-22.
+   In: the input's points.  Out: vertices, with coordinates from -2^29 to 2^29; the box's corners.
+   Holds: on the coarsest grid, coordinates are integers from 0 on, and a point a + m 2^-22 (b - a) between two of
+   these, m an integer, is a triple of doubles, computed without rounding: b - a has at most 30 bits, times m 52; the
+   sum is below 2^30 and a multiple of 2^-22.  On finer ones, some m have such a point.
+   Without a grid, coordinates y of the input become y - origin without rounding: the origin is 0 where there are both
+   signs; else it is nearer to 0 than all y, and a multiple of what is at most 2^-29 of the box.  So the difference is
+   not larger than y, and a multiple of the last place of y or of that of the origin.
    ------------------------------------------------------------------------------------------------------ */
 /* x times 2^e, for e from -1100 to 1100. */
 static double pbwfill__scaled(double x, int e)
 {
     return ldexp(ldexp(x, e / 2), e - e / 2);
+}
+
+/* Takes the coarsest grid on which the shortest edge has 2^14 steps; after that, the finer ones in turn, then the
+   coarser ones. */
+static void pbwfill__choose_level(pbwfill__work *w)
+{
+    const pbw_fill_input *in = w->input;
+    double shortest = HUGE_VAL;
+    size_t i, k;
+    int first = 0;
+    for (i = 0; i < 3 * in->triangle_count; i++) {
+        const double *p = in->points + 3 * (size_t)in->triangles[i];
+        const double *q = in->points + 3 * (size_t)in->triangles[i % 3 == 2 ? i - 2 : i + 1];
+        double length = 0;
+        for (k = 0; k < 3; k++) {
+            length = fmax(length, fabs(pbwfill__scaled(q[k], -w->exponent) - pbwfill__scaled(p[k], -w->exponent)));
+        }
+        shortest = length > 0 ? fmin(shortest, length) : shortest;
+    }
+    while (first < PBWFILL__LEVELS && ldexp(shortest / w->unit, 8 * first) < 16384) {
+        first++;
+    }
+    w->level = first + w->tries <= PBWFILL__LEVELS ? first + w->tries : PBWFILL__LEVELS - w->tries;
 }
 
 static pbw_status pbwfill__fit_grid(pbwfill__work *w)
@@ -562,8 +594,10 @@ static pbw_status pbwfill__fit_grid(pbwfill__work *w)
     }
     (void)frexp(extent, &e);
     w->unit = ldexp(1, e - 29);
+    pbwfill__choose_level(w);
     for (k = 0; k < 3; k++) {
-        w->origin[k] = floor(low[k] / w->unit) * w->unit;
+        w->origin[k] = w->level < PBWFILL__LEVELS || low[k] > 0 ? floor(low[k] / w->unit) * w->unit
+                     : high[k] < 0 ? ceil(high[k] / w->unit) * w->unit : 0;
     }
     return PBW_OK;
 }
@@ -582,6 +616,7 @@ static pbw_status pbwfill__make_vertices(pbwfill__work *w)
     pbw_status status = pbwfill__fit_grid(w);
     size_t i, k;
     const size_t count = w->inputs + 8;
+    const double steps = ldexp(1, 8 * w->level);
     if (status != PBW_OK) {
         return status;
     }
@@ -595,7 +630,8 @@ static pbw_status pbwfill__make_vertices(pbwfill__work *w)
     for (i = 0; i < w->inputs; i++) {
         for (k = 0; k < 3; k++) {
             const double y = pbwfill__scaled(w->input->points[3 * i + k], -w->exponent);
-            w->x.at[3 * i + k] = floor((y - w->origin[k]) / w->unit + 0.5);
+            const double x = (y - w->origin[k]) / w->unit;
+            w->x.at[3 * i + k] = w->level < PBWFILL__LEVELS ? floor(x * steps + 0.5) / steps : x;
         }
     }
     for (i = 0; i < 8; i++) {
@@ -1129,9 +1165,9 @@ static pbw_status pbwfill__insert(pbwfill__work *w, pbw_index vertex, pbw_index 
    balls over neither part: then nothing that was seen keeps these from being edges.  Where no cut does this, the
    middle halves the problem.  The cut would call forth a vertex on a segment that shares an end with this one, that
    vertex the next cut here, and so on: then both get the same distance from that end (Si and Gaertner 2005, "Meshing
-   piecewise linear complexes by constrained Delaunay tetrahedralizations").  A segment with narrow angles at both ends,
-   as in strips of thin triangles, is first cut in the middle: its halves have one such end each, so that its cuts and
-   those of the segments beside it are at equal distances from the same end.
+   piecewise linear complexes by constrained Delaunay tetrahedralizations").  A segment with narrow angles at both
+   ends, as in strips of thin triangles, is first cut in the middle: its halves have one such end each, so that its
+   cuts and those of the segments beside it are at equal distances from the same end.
    ------------------------------------------------------------------------------------------------------ */
 /* What is in the ball over a piece: the vertex that sees it under the largest angle, and its place along the piece;
    cuts from low to high leave none in the balls over the parts.  From 0 to 1, from a to b. */
@@ -1300,32 +1336,48 @@ static pbw_index pbwfill__cut_at_input(pbwfill__work *w, pbw_index i, pbw_index 
     return made;
 }
 
-/* Chooses the coarsest place near `want`, 0 to 1, in a piece, and adds the vertex there; in the middle if that is an
-   end.  Returns its place; 0 if the piece is too short, PBW_NONE without memory. */
+/* Whether p + t (q - p), which x gets, is a triple of doubles, as no step rounds.  t is a multiple of 2^-22, so that
+   errors of products show: those of differences from 1e-250 on do not underflow. */
+static int pbwfill__between(const double *p, const double *q, double t, double x[3])
+{
+    int k;
+    for (k = 0; k < 3; k++) {
+        const pbw_pair d = pbw_two_sum(q[k], -p[k]), m = pbw_two_product(t, d.head), sum = pbw_two_sum(p[k], m.head);
+        if (fabs(d.tail) > 0 || fabs(m.tail) > 0 || fabs(sum.tail) > 0
+            || (fabs(d.head) > 0 && fabs(d.head) < 1e-250)) {
+            return 0;
+        }
+        x[k] = sum.head;
+    }
+    return 1;
+}
+
+/* Chooses the coarsest place near `want`, 0 to 1, in a piece, or else the nearest, and adds the vertex there; in the
+   middle if that is an end.  Returns its place; 0 if there is none, PBW_NONE without memory. */
 static uint32_t pbwfill__add_split(pbwfill__work *w, const pbwfill__piece *piece, double want, double near)
 {
     const double span = (double)(piece->to - piece->from), middle = (double)piece->from + want * span;
     const double *p = pbwfill__at(w, piece->ends[0]), *q = pbwfill__at(w, piece->ends[1]);
-    double x[3], at = 0;
-    int e, k;
-    for (e = PBWFILL__STEPS; e >= 0; e--) {
+    double x[3] = { 0, 0, 0 }, y[3], best = 0;
+    int e;
+    for (e = PBWFILL__STEPS; e >= -1; e--) {
         const double step = ldexp(1, e);
-        at = floor(middle / step + 0.5) * step;
-        if (fabs(at - middle) <= near * span && at > piece->from && at < piece->to) {
-            break;
+        const double at = e >= 0 ? floor(middle / step + 0.5) * step : floor((double)piece->from + span / 2);
+        if (at > piece->from && at < piece->to && (e >= 0 || !(best > 0))
+            && (!(best > 0) || fabs(at - middle) <= fabs(best - middle))
+            && pbwfill__between(p, q, at * ldexp(1, -PBWFILL__STEPS), y)) {
+            best = at;
+            memcpy(x, y, sizeof x);
+            if (fabs(at - middle) <= near * span) {
+                break;
+            }
         }
     }
-    if (e < 0 && !(at > piece->from && at < piece->to)) {
-        at = floor((double)piece->from + span / 2);
-    }
-    if (!(at > piece->from)) {
+    if (!(best > 0)) {
         return 0;
     }
-    for (k = 0; k < 3; k++) {
-        x[k] = p[k] + at * ldexp(1, -PBWFILL__STEPS) * (q[k] - p[k]);
-    }
     return PBW_PUSH(&w->memory, w->ends_of, piece->ends[0]) && PBW_PUSH(&w->memory, w->ends_of, piece->ends[1])
-        && pbwfill__new_vertex(w, x) ? (uint32_t)at : PBW_NONE;
+        && pbwfill__new_vertex(w, x) ? (uint32_t)best : PBW_NONE;
 }
 
 /* Splits piece i if it is no edge. */
@@ -4696,7 +4748,7 @@ PBWDEF const char *pbw_fill_refusal(int refusal)
     case PBW_FILL_CROSSING: return "triangles or segments cross, or touch elsewhere than in common corners and edges";
     case PBW_FILL_FLAT: return "a triangle has no area";
     case PBW_FILL_OPEN: return "the surface is open: a triangle bounds no region";
-    case PBW_FILL_TOO_FINE: return "points are nearer to each other, or edges shorter, than 2^-29 of the box";
+    case PBW_FILL_TOO_FINE: return "too fine against the box: edges need points that doubles cannot hold";
     case PBW_FILL_POINTS_LEFT: return "filled, but points are left on edges of the surface";
     case PBW_FILL_SEED: return "a seed lies on the surface, beyond the box, or in the region of another one";
     default: return "unknown";
@@ -4768,6 +4820,17 @@ static void pbwfill__release(pbwfill__work *w)
     PBW_RELEASE(m, w->made_region);
 }
 
+/* Drops what was done, for another grid. */
+static void pbwfill__change_grid(pbwfill__work *w)
+{
+    pbw_fill_report report;
+    memset(&report, 0, sizeof report);
+    memcpy(report.seconds, w->report->seconds, sizeof report.seconds);
+    *w->report = report;
+    pbwfill__release(w);
+    w->tries++;
+}
+
 static pbw_status pbwfill__run(pbwfill__work *w, pbw_filled *filled)
 {
     typedef pbw_status stage(pbwfill__work *);
@@ -4783,6 +4846,11 @@ static pbw_status pbwfill__run(pbwfill__work *w, pbw_filled *filled)
     w->since = clock();
     for (i = 0; i < 9 && status == PBW_OK; i++) {
         status = pbwfill__begin(w, i, stages[i].name, stages[i].to) ? PBW_CANCELLED : stages[i].run(w);
+        if (status == PBW_DEGENERATE && w->report->refusal == PBW_FILL_TOO_FINE && w->tries < PBWFILL__LEVELS) {
+            pbwfill__change_grid(w);
+            status = PBW_OK;
+            i = -1;
+        }
     }
     status = status != PBW_OK ? status : pbwfill__find_places(w);
     status = status != PBW_OK ? status : pbwfill__write(w, filled);

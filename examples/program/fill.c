@@ -74,7 +74,7 @@ static void report_on(const job *j, const pbw_filled *f, const pbw_fill_report *
                     COUNT(r->doubles), r->collapsed);
     }
     if (r->rounded > 0) {
-        report_line(j, "%zu point%s moved to the grid of 2^-29 of the box, by half of its width at most",
+        report_line(j, "%zu point%s moved by 2^-30 of the box at most: no tetrahedra were found around the places",
                     COUNT(r->rounded));
     }
     if (r->refusal == PBW_FILL_POINTS_LEFT) {
