@@ -1932,6 +1932,7 @@ static pbw_status pbwfill__replace(pbwfill__work *w, pbw_index facet, const pbwf
         for (k = 0; k < 4; k++) {
             t->n[k] = t->n[k] == PBW_NONE ? PBW_NONE : places.at[t->n[k] / 4];
             w->at.at[t->v[k]] = places.at[i];
+            w->touched.at[t->v[k]] = 1;
         }
     }
     pbwfill__clear(&w->table);
@@ -3049,18 +3050,25 @@ static pbw_status pbwfill__clear_surface(pbwfill__work *w, pbwfill__star *star)
     return status;
 }
 
-/* Takes the vertices from number `first` on off that can be spared inside, the last one first. */
+/* Takes the vertices from number `first` on off that can be spared inside, the last one first, with another pass over
+   those that had to stay, and at which tetrahedra have changed since, while some come off. */
 static pbw_status pbwfill__clear_inside(pbwfill__work *w, pbwfill__star *star, size_t first)
 {
     pbw_status status = PBW_OK;
-    size_t i;
+    size_t i, taken = 1;
     star->a = star->b = PBW_NONE;
     star->wrapped = PBWFILL__WRAPPED;
-    for (i = pbwfill__vertices(w); i-- > first && status == PBW_OK;) {
-        int done;
-        star->v = (pbw_index)i;
-        if (w->at.at[i] != PBW_NONE) {
-            status = pbwfill__tick(w, 1) ? PBW_CANCELLED : pbwfill__remove(w, star, &done);
+    memset(w->touched.at, 1, w->touched.count);
+    while (taken > 0 && status == PBW_OK) {
+        taken = 0;
+        for (i = pbwfill__vertices(w); i-- > first && status == PBW_OK;) {
+            int done = 0;
+            star->v = (pbw_index)i;
+            if (w->at.at[i] != PBW_NONE && w->touched.at[i]) {
+                w->touched.at[i] = 0;
+                status = pbwfill__tick(w, 1) ? PBW_CANCELLED : pbwfill__remove(w, star, &done);
+                taken += (size_t)done;
+            }
         }
     }
     return status;
