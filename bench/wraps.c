@@ -4,6 +4,8 @@
    model, or another facet; or a corner of a face is not inside.  Exit status 1 if a wrap has a fault. */
 #define PBW_SURFACE_IMPLEMENTATION
 #include "pbw_surface.h"
+#define PBW_IMPROVE_IMPLEMENTATION
+#include "pbw_improve.h"
 #define PBW_WRAP_IMPLEMENTATION
 #include "pbw_wrap.h"
 #include "pbw_io.h"

@@ -1668,7 +1668,7 @@ def solids():
 def wraps():
     corners = np.array(list(itertools.product((0., 1.), repeat=3)))
     faces = np.array([[0, 1, 3], [0, 3, 2], [4, 7, 5], [4, 6, 7], [0, 5, 1], [0, 4, 5], [2, 3, 7], [2, 7, 6],
-                      [0, 2, 6]])
+                      [1, 5, 7], [1, 7, 3], [0, 2, 6]])
     made = pbw.wrap(corners, faces, alpha=0.2)       # five sides and a half
     edges = np.concatenate([made.faces[:, [i, (i + 1) % 3]] for i in range(3)])
     equal(np.unique(edges, axis=0), np.unique(edges[:, ::-1], axis=0))
@@ -1676,7 +1676,7 @@ def wraps():
     a, b, c, d = (made.points[made.tets[:, i]] for i in range(4))
     volume = np.einsum("ij,ij->i", np.cross(b - a, c - a), d - a) / 6
     check((volume > 0).all() and abs(volume.sum() - made.report["volume"]) < 1e-9, made.report)
-    check((made.neighbors < 0).sum() == len(made.faces) == len(made.elements) and made.elements.max() < 9)
+    check((made.neighbors < 0).sum() == len(made.faces) == len(made.elements) and made.elements.max() < 11)
     check(made.report["shell"] == 1 and made.report["open_edges"] > 0, made.report)
     closed = pbw.wrap(corners, faces, alpha=0.2, closing=True).report["closing"]
     check(pbw.wrap(corners, faces, alpha=closed).report["shell"] == 0, closed)
@@ -1685,12 +1685,17 @@ def wraps():
     check(pbw.wrap(corners, alpha=0.2).report["components"] == 8)
     seeded = pbw.wrap(corners, faces, alpha=0.5, offset=0.02, seeds=[[9, 9, 9]])
     check(seeded.report["unused_seeds"] == 1 and seeded.report["offset"] == 0.02, seeded.report)
-    solid = pbw.solid(corners, faces, size=0.6, wrap=True)
+    solid = pbw.solid(corners, faces, size=0.25, wrap=True)
     check(solid.report["after"]["least"] > 15 and solid.report["wrap"]["shell"] == 1, solid.report)
     smaller = np.concatenate([corners, [[.7, .5, 0]]]), np.concatenate([faces, [[0, 6, 8], [6, 4, 8]]])
     report = pbw.solid(*smaller, size=0.25, wrap=True).report          # an alpha of 0.125 does not close this hole
     check(report["wrap"]["shell"] == 0 and 0.125 < report["wrap"]["alpha"] < 0.19, report)
+    check(report["closed"] == 0 and report["raised"] == 0.125 and report["distance_before"][1] > 0.03, report)
     check((solid.neighbors < 0).sum() == len(solid.facets) and solid.points.max() < 1.2, solid)
+    report = pbw.solid(corners, np.concatenate([faces, [[0, 6, 4]]]), size=0.25, wrap=True).report
+    check(report["closed"] == 1 and report["raised"] == 0 and abs(report["after"]["volume"] - 1) < 0.05, report)
+    check(report["distance"][1] < 0.025 < report["distance_before"][1] and report["after"]["least"] > 20, report)
+    raises_text(pbw.Error, "more tetrahedra", pbw.solid, corners, faces, wrap=True, most=10)
     raises_text(ValueError, "size must be a number", pbw.solid, corners, faces, size=len, wrap=True)
     raises_text(pbw.Error, "nothing to wrap", pbw.wrap, corners, singles=[])
     raises_text(pbw.Error, "at one place", pbw.wrap, corners[:1])

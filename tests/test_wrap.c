@@ -1,8 +1,11 @@
 /* test_wrap.c: wraps are closed, oriented manifolds that strictly enclose what they wrap, by an exact check of
    wraps.h: soups, flat and repeated elements, points and segments; cavities, alpha by place, shells and the alpha
-   that closes them; refusals; the same bytes for every number of threads; sound after every failure. */
+   that closes them; good tetrahedra in wraps; refusals; the same bytes for every number of threads; sound after every
+   failure. */
 #define PBW_SURFACE_IMPLEMENTATION
 #include "pbw_surface.h"
+#define PBW_IMPROVE_IMPLEMENTATION
+#include "pbw_improve.h"
 #define PBW_WRAP_IMPLEMENTATION
 #include "pbw_wrap.h"
 #include "meter.h"
@@ -169,6 +172,240 @@ static void wrap_shell(void)
     how.alpha = 0.1;
     r = report_of(&s, &how);
     CHECK(!r.shell && r.open_edges == 0 && !(r.closing > 0));
+}
+
+/* Adds what a line of corners (distance from the axis, height) sweeps around the axis. */
+static void add_turned(shape *s, const double (*line)[2], size_t corners)
+{
+    const pbw_index first = (pbw_index)s->points, around = 2 * SIDE, steps = SIDE;
+    pbw_index i, k;
+    for (i = 0; i <= steps; i++) {                   /* as many on each side of the line */
+        const double at = (double)i * (double)(corners - 1) / steps;
+        const size_t side = at < (double)(corners - 1) ? (size_t)at : corners - 2;
+        const double part = at - (double)side;
+        for (k = 0; k < around; k++) {
+            const double away = line[side][0] + part * (line[side + 1][0] - line[side][0]);
+            double *x = s->x[s->points++];
+            x[0] = away * cos(6.28318530717959 * k / around);
+            x[1] = away * sin(6.28318530717959 * k / around);
+            x[2] = line[side][1] + part * (line[side + 1][1] - line[side][1]);
+            if (i < steps) {
+                const pbw_index a = first + i * around + k, b = first + i * around + (k + 1) % around;
+                pbw_index *t = s->t[s->triangles];
+                t[0] = a, t[1] = a + around, t[2] = b;
+                t[3] = b, t[4] = a + around, t[5] = b + around;
+                s->triangles += 2;
+            }
+        }
+    }
+    s->in.points = s->x[0];
+    s->in.point_count = s->points;
+    s->in.triangles = s->t[0];
+    s->in.triangle_count = s->triangles;
+}
+
+/* What is a shell, from fine wraps to those much coarser than the model. */
+static void tell_shells(void)
+{
+    static const struct {
+        const char *name;
+        double line[6][2];
+        size_t corners;
+        double shell[2], closed[3];                  /* alphas; 0: no more */
+    } cases[] = {
+        { "bottle", { { 0, 0 }, { 1, 0 }, { 1, 2 }, { .2, 2.5 }, { .2, 3.5 } }, 5, { .1, .18 }, { .25, 1, 5 } },
+        { "cup", { { 0, 0 }, { 1, 0 }, { 1.2, 2 } }, 3, { .2, .8 }, { 1.3, 5, 20 } },
+        { "box without a lid", { { 0, 0 }, { .5, 0 }, { .5, 1 } }, 3, { .1, .3 }, { .55, 3, 20 } },
+        { "tray", { { 0, 0 }, { 5, 0 }, { 5, 1 } }, 3, { .5, 1 }, { 14, 40, 0 } },
+        { "thin box with a hole", { { 1, 1 }, { 5, 1 }, { 5, 0 }, { 0, 0 } }, 4, { .4, 0 }, { 1.2, 5, 20 } },
+        { "tube", { { 1, 0 }, { 1, 3 } }, 2, { .3, .9 }, { 1.2, 6, 0 } },
+        { "sheet", { { 0, 0 }, { 1, 0 } }, 2, { .1, .5 }, { 0, 0, 0 } },
+        { "dish", { { 0, 0 }, { .5, .05 }, { 1, .2 } }, 3, { .1, .9 }, { 0, 0, 0 } },
+        { "gutter", { { 2, 1 }, { 2, 0 }, { 3, 0 }, { 3, 1 } }, 4, { .2, .4 }, { .6, 3, 9 } },
+        { "torus with a slot", { { 2.3, 1 }, { 2, 1 }, { 2, 0 }, { 3, 0 }, { 3, 1 }, { 2.7, 1 } }, 6, { .15, 0 },
+          { .25, 1, 9 } }
+    };
+    static shape s;
+    size_t i, k;
+    for (i = 0; i < sizeof cases / sizeof *cases; i++) {
+        memset(&s, 0, sizeof s);
+        add_turned(&s, cases[i].line, cases[i].corners);
+        for (k = 0; k < 5; k++) {
+            pbw_wrap_options how;
+            pbw_wrap_report r;
+            pbw_wrap_result w;
+            memset(&how, 0, sizeof how);
+            how.alpha = k < 2 ? cases[i].shell[k] : cases[i].closed[k - 2];
+            if (how.alpha > 0 && CHECK(pbw_wrap(&s.in, &how, NULL, &w, &r) == PBW_OK)) {
+                if (!CHECK(r.shell == (k < 2) && r.open_edges > 0)) {
+                    test_say("%s, alpha %g: %g on both sides", cases[i].name, how.alpha, r.both_sides);
+                }
+                pbw_wrap_free(&w);
+            }
+        }
+    }
+}
+
+/* The alpha that closes a model closes all of it; none closes a sheet.  Points have no open edges. */
+static void close_all(void)
+{
+    static const double sheet[2][2] = { { 0, 0 }, { 1, 0 } };
+    static const double small[4][2] = { { 0, 0 }, { 1, 0 }, { 1, 2 }, { .2, 2 } };
+    static const double large[4][2] = { { 6, 0 }, { 5, 0 }, { 5, 2 }, { 5.3, 2 } };
+    static shape s;
+    static pbw_index all[2 * (SIDE + 1) * 2 * SIDE];
+    pbw_wrap_options how;
+    pbw_wrap_report r;
+    size_t i;
+    memset(&s, 0, sizeof s);
+    memset(&how, 0, sizeof how);
+    how.closing = 1;
+    add_turned(&s, sheet, 2);
+    how.alpha = 0.2;
+    r = report_of(&s, &how);
+    CHECK(r.shell && r.both_sides > 0.9 && !(r.closing > 0));
+    memset(&s, 0, sizeof s);
+    add_turned(&s, small, 4);                        /* a pot that alphas above 0.2 close, in a gutter: above 0.6 */
+    add_turned(&s, large, 4);
+    how.alpha = 0.15;
+    CHECK_EQUAL(report_of(&s, &how).shell, 1);
+    r = report_of(&s, &how);
+    CHECK(r.closing > 0.5 && r.closing < 2);
+    memset(&s, 0, sizeof s);
+    add_sphere(&s, 1, 0.8);
+    for (i = 0; i < s.points; i++) {
+        all[i] = (pbw_index)i;
+    }
+    s.in.singles = all;
+    s.in.single_count = s.points;
+    s.in.triangle_count = 0;
+    how.alpha = 0.3;
+    r = report_of(&s, &how);
+    CHECK(r.shell && r.open_edges == 0 && r.closing > 0.5 && r.closing < 0.9);
+    how.alpha = 4;
+    CHECK_EQUAL(report_of(&s, &how).shell, 0);
+}
+
+/* ---- solids ---- */
+
+static void fill_closed(void)
+{
+    static shape s;
+    const double ball = 4.18879;
+    pbw_wrap_solid_options how;
+    pbw_wrap_solid_report r;
+    pbw_tets mesh;
+    int stay;
+    memset(&s, 0, sizeof s);
+    memset(&how, 0, sizeof how);
+    add_sphere(&s, 1, 1);
+    how.size = 0.4;
+    for (stay = 0; stay < 2; stay++) {
+        how.stay = stay;
+        if (CHECK(pbw_wrap_solid(&s.in, &how, NULL, &mesh, &r) == PBW_OK)) {
+            CHECK(r.closed && !r.late && !(r.raised > 0) && r.improve.after.least > 20);
+            CHECK(r.before[0] > 0.04 && r.before[1] > 0.04 && r.after[0] >= 0 && r.after[0] < 0.2);
+            CHECK(stay ? r.improve.after.volume > 1.1 * ball : fabs(r.improve.after.volume / ball - 1) < 0.05);
+            CHECK(mesh.tet_count > 200 && r.tets > 200 && r.size >= 0.4);
+        }
+        pbw_tets_free(&mesh);
+    }
+}
+
+/* Alpha is raised where a little closes the model, and for points. */
+static void fill_open(void)
+{
+    static shape s;
+    static pbw_index all[2 * (SIDE + 1) * 2 * SIDE];
+    pbw_wrap_solid_options how;
+    pbw_wrap_solid_report r;
+    pbw_tets mesh;
+    size_t i;
+    memset(&s, 0, sizeof s);
+    memset(&how, 0, sizeof how);
+    add_sphere(&s, 1, 0.87);                         /* a hole of radius 0.397, less the offset */
+    how.size = 0.5;
+    CHECK_EQUAL(pbw_wrap_solid(&s.in, &how, NULL, &mesh, &r), PBW_OK);
+    CHECK(r.raised > 0.249 && r.raised < 0.251 && r.wrap.alpha > 0.3 && r.wrap.alpha < 0.376);
+    CHECK(!r.closed && !r.wrap.shell && r.improve.after.volume > 3.8);
+    pbw_tets_free(&mesh);
+    how.size = 0.3;
+    CHECK_EQUAL(pbw_wrap_solid(&s.in, &how, NULL, &mesh, &r), PBW_OK);
+    CHECK(!(r.raised > 0) && r.wrap.shell && r.improve.after.volume < 2);
+    pbw_tets_free(&mesh);
+    for (i = 0; i < s.points; i++) {
+        all[i] = (pbw_index)i;
+    }
+    s.in.singles = all;
+    s.in.single_count = s.points;
+    s.in.triangle_count = 0;
+    CHECK_EQUAL(pbw_wrap_solid(&s.in, &how, NULL, &mesh, &r), PBW_OK);
+    CHECK(r.raised > 0.149 && r.raised < 0.151 && r.wrap.alpha > 0.25 && !r.closed && r.improve.after.volume > 3.8);
+    pbw_tets_free(&mesh);
+}
+
+typedef struct slow {                                /* progress that lets the time pass in a stage */
+    const char *stage;
+    double until;                                    /* as clock() */
+    double done;
+    int fell;
+} slow;
+
+static int pass_time(void *user, pbw_stage stage, double done)
+{
+    slow *t = (slow *)user;
+    (void)stage;
+    t->fell |= done < t->done;
+    t->done = done;
+    while (t->stage != NULL && strcmp(t->stage, "improve") == 0 && (double)clock() < t->until) {
+    }
+    return 0;
+}
+
+/* Improvement that has no time left keeps what it has; stages follow each other. */
+static void fill_late(void)
+{
+    static shape s;
+    pbw_wrap_solid_options how;
+    pbw_wrap_solid_report r;
+    pbw_options options;
+    pbw_tets mesh;
+    slow t;
+    const double start = (double)clock();
+    memset(&s, 0, sizeof s);
+    memset(&t, 0, sizeof t);
+    memset(&how, 0, sizeof how);
+    memset(&options, 0, sizeof options);
+    add_sphere(&s, 1, 1);
+    how.size = 0.5;
+    how.stage = &t.stage;
+    options.progress = pass_time;
+    options.progress_user = &t;
+    CHECK_EQUAL(pbw_wrap_solid(&s.in, &how, &options, &mesh, &r), PBW_OK);
+    CHECK(!r.late && r.after[0] >= 0 && t.done > 0.99 && !t.fell && strcmp(t.stage, "measure") == 0);
+    pbw_tets_free(&mesh);
+    how.seconds = 0.05 + 3 * ((double)clock() - start) / CLOCKS_PER_SEC;
+    t.until = (double)clock() + 1.2 * how.seconds * CLOCKS_PER_SEC;
+    t.done = 0;
+    CHECK_EQUAL(pbw_wrap_solid(&s.in, &how, &options, &mesh, &r), PBW_OK);
+    CHECK(r.late && r.before[0] > 0 && !(r.after[0] >= 0) && mesh.tet_count > 100);
+    pbw_tets_free(&mesh);
+    how.seconds = 1e-9;
+    CHECK_EQUAL(pbw_wrap_solid(&s.in, &how, NULL, &mesh, &r), PBW_CANCELLED);
+    CHECK(r.wrap.refusal == PBW_WRAP_LATE && mesh.tet_count == 0);
+    how.seconds = 0;
+    how.size = (double)NAN;
+    CHECK_EQUAL(pbw_wrap_solid(&s.in, &how, NULL, &mesh, &r), PBW_ERROR_ARGUMENT);
+    how.size = 0;
+    s.x[3][1] = (double)NAN;
+    CHECK_EQUAL(pbw_wrap_solid(&s.in, &how, NULL, &mesh, NULL), PBW_ERROR_NOT_FINITE);
+    s.x[3][1] = 0;
+    s.t[5][1] = 1000000;
+    CHECK_EQUAL(pbw_wrap_solid(&s.in, &how, NULL, &mesh, NULL), PBW_ERROR_ARGUMENT);
+    s.in.triangle_count = 0;
+    CHECK_EQUAL(pbw_wrap_solid(&s.in, NULL, NULL, &mesh, &r), PBW_DEGENERATE);
+    CHECK_EQUAL(r.wrap.refusal, PBW_WRAP_EMPTY);
+    CHECK_EQUAL(pbw_wrap_solid(&s.in, NULL, NULL, NULL, &r), PBW_ERROR_ARGUMENT);
 }
 
 static double finer_above(void *user, const double p[3])
@@ -434,6 +671,76 @@ static void fail_everywhere(void)
     }
 }
 
+/* pbw_wrap_solid: the same mesh for every number of threads; it fails at any allocation, at every memory limit below
+   its need, and ends where it is told to. */
+static void fail_solids(void)
+{
+    static shape s;
+    pbw_wrap_solid_options how;
+    pbw_tets mesh;
+    pbw_options options;
+    meter m;
+    watch eye;
+    pbw_wrap_solid_report r;
+    pbw_status status;
+    uint64_t hash = 0;
+    long requests, i, calls;
+    size_t peak;
+    memset(&s, 0, sizeof s);
+    memset(&how, 0, sizeof how);
+    memset(&options, 0, sizeof options);
+    add_sphere(&s, 1, 1);
+    how.size = 1;
+    for (i = 1; i < 4; i++) {
+        uint64_t other;
+        options.threads = (int)i;
+        CHECK_EQUAL(pbw_wrap_solid(&s.in, &how, &options, &mesh, NULL), PBW_OK);
+        other = hash_of(hash_of(1, mesh.points, 24 * mesh.point_count), mesh.corners, 16 * mesh.tet_count);
+        CHECK(i == 1 || other == hash);
+        hash = other;
+        pbw_tets_free(&mesh);
+    }
+    options.threads = 1;
+    options.resize = meter_resize;
+    options.resize_user = &m;
+    options.progress = watch_progress;
+    options.progress_user = &eye;
+    meter_start(&m, 0, 0);
+    watch_start(&eye, 0);
+    CHECK_EQUAL(pbw_wrap_solid(&s.in, &how, &options, &mesh, NULL), PBW_OK);
+    CHECK(eye.wrong == 0 && m.blocks > 0);
+    pbw_tets_free(&mesh);
+    CHECK_EQUAL(m.blocks, 0);
+    requests = m.requests;
+    peak = m.peak;
+    calls = eye.calls;
+    for (i = 1; i <= requests; i += 1 + requests / 100) {
+        meter_start(&m, i, i % 2 == 0);
+        watch_start(&eye, 0);
+        status = pbw_wrap_solid(&s.in, &how, &options, &mesh, &r);
+        CHECK(status == PBW_ERROR_MEMORY ? mesh.memory == NULL
+              : status == PBW_OK && !(r.improve.before.percent > 0 && r.improve.after.percent > 0));
+        pbw_tets_free(&mesh);                        /* only the report's angles may lack memory */
+        CHECK(m.blocks == 0 && m.faults == 0);
+    }
+    for (i = 1; i <= 16; i++) {
+        meter_start(&m, 0, 0);
+        watch_start(&eye, 0);
+        options.memory_limit = peak * (size_t)i / 16;
+        CHECK_EQUAL(pbw_wrap_solid(&s.in, &how, &options, &mesh, NULL), i < 16 ? PBW_ERROR_MEMORY : PBW_OK);
+        CHECK(m.peak <= options.memory_limit);
+        pbw_tets_free(&mesh);
+        CHECK(m.blocks == 0 && m.faults == 0);
+    }
+    options.memory_limit = 0;
+    for (i = 1; i <= calls; i += 1 + calls / 20) {
+        meter_start(&m, 0, 0);
+        watch_start(&eye, i);
+        CHECK_EQUAL(pbw_wrap_solid(&s.in, &how, &options, &mesh, NULL), PBW_CANCELLED);
+        CHECK(eye.calls == i && m.blocks == 0);
+    }
+}
+
 /* The check of this file sees faults. */
 static void see_faults(void)
 {
@@ -476,8 +783,10 @@ int main(int argc, char **argv)
 {
     static const struct { const char *name; void (*run)(void); } tests[] = {
         { "soups", wrap_soups }, { "elements without area", wrap_degenerate }, { "a cavity", wrap_cavity },
-        { "a shell", wrap_shell }, { "alpha by place", wrap_by_place }, { "nearest elements", find_elements },
-        { "vertices inside", fill },
+        { "a shell", wrap_shell }, { "what is a shell", tell_shells }, { "the alpha that closes", close_all },
+        { "solids of closed models", fill_closed }, { "solids of open models", fill_open },
+        { "solids: the time is over", fill_late }, { "solids: failures", fail_solids },
+        { "alpha by place", wrap_by_place }, { "nearest elements", find_elements }, { "vertices inside", fill },
         { "refusals", refuse }, { "threads", run_threads }, { "memory and cancelling", fail_everywhere },
         { "faults are seen", see_faults }
     };

@@ -4468,7 +4468,7 @@ PBWDEF pbw_status pbw_improve(const pbw_tets *mesh, const pbw_improve_options *h
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   >>seam         What pbw_mesh3.h and pbw_adapt3.h use of the rooms above.
+   >>seam         What pbw_mesh3.h, pbw_adapt3.h and pbw_wrap.h use of the rooms above.
    Holds: the list is what they use, tests/seam.sh compares; whoever changes what a name in it means, raises it.
 
    They are compiled behind this header, in one source file, and refuse another number.
@@ -4485,7 +4485,7 @@ PBWDEF pbw_status pbw_improve(const pbw_tets *mesh, const pbw_improve_options *h
      pbwim__end_sorting    mesh3         load
      pbwim__sort           mesh3         load
      pbwim__sorting        mesh3         load
-     pbwim__result_bytes   mesh3         result
+     pbwim__result_bytes   mesh3 wrap    result
    ------------------------------------------------------------------------------------------------------ */
 #define PBWIM__SEAM 1
 

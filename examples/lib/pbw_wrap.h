@@ -2,8 +2,8 @@
 
    QUICK START
    In one source file, define PBW_WRAP_IMPLEMENTATION before the include; in all others, only include.
-   Needs pbw.h, with its implementation in some source file, and the implementation of pbw_surface.h in the same
-   source file, before it.
+   Needs pbw.h, with its implementation in some source file, and the implementations of pbw_surface.h and
+   pbw_improve.h in the same source file, before it.
 
        pbw_wrap_input input = {0};
        pbw_wrap_result wrap = {0};
@@ -24,12 +24,15 @@
      >>manifold     tetrahedra that make each vertex's star one fan
      >>fill         vertices inside
      >>result       the arrays of the caller
+     >>shells       which share of a wrap is on both sides of something open
      >>stages       all of it in order
+     >>solid        good tetrahedra in a wrap; distances
 
    FUNCTIONS
      pbw_wrap           wraps elements
      pbw_wrap_distance  how far a wrap and its elements are apart
      pbw_wrap_free      frees a wrap
+     pbw_wrap_solid     makes good tetrahedra in a wrap
 
    HOW
    Portaneri, Rouxel-Labbe, Hemmer, Cohen-Steiner, Alliez 2022, "Alpha wrapping with an offset": a box is
@@ -58,8 +61,8 @@
 */
 #ifndef PBW_WRAP_H
 #define PBW_WRAP_H
-#ifndef PBW_SURFACE_H
-#include "pbw_surface.h"
+#ifndef PBW_IMPROVE_H
+#include "pbw_improve.h"
 #endif
 
 #ifdef __cplusplus
@@ -127,12 +130,15 @@ typedef struct pbw_wrap_report {
     int refusal;                           /* PBW_WRAP_... */
     double alpha, offset;                  /* that were used */
     double volume, area;                   /* of the wrap; area: of its surface */
-    size_t open_edges;                     /* where the wrap is thin everywhere, else 0: the triangles' edges that an
-                                              odd number of them has; points at one place count as one */
-    int shell;                             /* 1: the wrap is thin, and there are open edges or no triangles: it goes
-                                              around both sides of what is open */
+    size_t open_edges;                     /* the triangles' edges that an odd number of them has; points at one place
+                                              count as one */
+    double both_sides;                     /* share of the surface that is on both sides of a sheet, about: the model
+                                              is behind it, and behind that, within 1/8 of alpha and the offset, the
+                                              surface again; 0 where there are triangles and no open edges */
+    int shell;                             /* 1: that is more than 0.4: a thin shell around what is open */
     double closing;                        /* with options.closing, of a shell: an alpha, found by bisection, that
-                                              closes it; 0: none was found */
+                                              closes it, so that both_sides is at most 0.15; 0: none up to half the
+                                              diagonal does, or the time was over */
     size_t components;                     /* of the surface */
     size_t unused_seeds;                   /* seeds that are nearer to an element than alpha and offset */
     size_t crossings, projections, carved; /* vertices by rules 1 and 2, tetrahedra by rule 3 */
@@ -154,6 +160,40 @@ PBWDEF pbw_status pbw_wrap_distance(const pbw_wrap_input *input, const double *p
                                     double distance[2]);
 PBWDEF void pbw_wrap_free(pbw_wrap_result *wrap);        /* fine on {0}, fine twice */
 
+typedef struct pbw_wrap_solid_options {    /* NULL or all zero = best defaults */
+    double size;                           /* length of edges, about; 0 = 1/40 of the diagonal of the elements' box,
+                                              and at least twice wrap.alpha */
+    /* alpha: 0 = half the size, and where that makes a shell, the least that closes the model, if that is below 1.5
+       times it or there are no triangles.  offset: 0 = 1/8 of the size, and at most half of alpha: so sheets become
+       plates that have room for good tetrahedra.  closing, fill and seconds count for nothing. */
+    pbw_wrap_options wrap;
+    int stay;                              /* 1: points stay at the offset; 0: if the model is closed triangles, they
+                                              are pulled onto it as far as it keeps tetrahedra good */
+    double target;                         /* of pbw_improve_options; 0 = 30 degrees */
+    double seconds;                        /* of all threads' processor time: later there is no wrap, improvement ends
+                                              with what it has, and distances are not measured; 0 = no limit */
+    const char **stage;                    /* gets the name of the stage, before its progress is reported: wrap,
+                                              improve or measure; NULL = none */
+} pbw_wrap_solid_options;
+
+typedef struct pbw_wrap_solid_report {
+    pbw_wrap_report wrap;                  /* its refusal, too */
+    pbw_improve_report improve;
+    double size;                           /* that was used */
+    double raised;                         /* the alpha that made a shell, if wrap.alpha is a larger one; else 0 */
+    size_t points, facets, tets;           /* of the wrap */
+    int closed;                            /* 1: the model is closed triangles */
+    int late;                              /* 1: options.seconds were over before improvement ended */
+    double before[2], after[2];            /* distances of the wrap and of the mesh, as pbw_wrap_distance has them;
+                                              -1: options.seconds were over */
+    double seconds[2];                     /* of processor time: improvement, distances */
+} pbw_wrap_solid_report;
+
+/* Fills a wrap with good tetrahedra; how, options and report may be NULL.  mesh: overwritten, left empty on failure;
+   pbw_tets_free when done.  Fails as pbw_wrap and pbw_improve do. */
+PBWDEF pbw_status pbw_wrap_solid(const pbw_wrap_input *input, const pbw_wrap_solid_options *how,
+                                 const pbw_options *options, pbw_tets *mesh, pbw_wrap_solid_report *report);
+
 #ifdef __cplusplus
 }
 #endif
@@ -163,6 +203,8 @@ PBWDEF void pbw_wrap_free(pbw_wrap_result *wrap);        /* fine on {0}, fine tw
 #define PBWWRAP__IMPLEMENTED
 #if PBWSF__SEAM != 1
 #error "pbw_wrap.h is compiled where pbw_surface.h of its version is: define PBW_SURFACE_IMPLEMENTATION, too"
+#elif PBWIM__SEAM != 1
+#error "pbw_wrap.h is compiled where pbw_improve.h of its version is: define PBW_IMPROVE_IMPLEMENTATION, too"
 #else
 
 #include <math.h>
@@ -182,12 +224,16 @@ enum {
     PBWWR__ICOSAHEDRON = 12,               /* corners around a seed */
     PBWWR__ROUND = 4096,                   /* gates of a round, at most */
     PBWWR__FEW = 64,                       /* gates for one thread alone */
-    PBWWR__GRAIN = 16                      /* verdicts that a thread takes at a time */
+    PBWWR__GRAIN = 16,                     /* verdicts that a thread takes at a time */
+    PBWWR__SAMPLE = 4096                   /* facets that are looked at for what is behind them, about */
 };
 #define PBWWR__NEAREST 1e-9                /* least offset, by the largest coordinate */
 #define PBWWR__HIT 1e-3                    /* rule 1 stops so near above the offset, by the offset */
-#define PBWWR__ROUNDED 2                   /* a shell is two offsets thick, and more at edges and corners, which are
-                                              rounded off: on average by less than alpha by that */
+#define PBWWR__BEHIND 0.125                /* of alpha: behind a sheet, facets are at most so far beyond the offset:
+                                              the ball, of radius alpha, stood on their corners */
+#define PBWWR__SHELL 0.4                   /* a shell has a larger share of its surface on both sides of a sheet, */
+#define PBWWR__CLOSED 0.15                 /* a model that is closed has not */
+#define PBWWR__RAISED 1.5                  /* times alpha, at most, to close a model with triangles: details stay */
 
 enum { PBWWR__UNKNOWN, PBWWR__APART, PBWWR__MEETS };
 
@@ -1493,6 +1539,111 @@ static pbw_status pbwwr__output(pbwwr__work *w, pbw_wrap_result *wrap)
 }
 
 /* ------------------------------------------------------------------------------------------------------
+   >>shells       Which share of a wrap is on both sides of something open.
+   In: elements; cells, carved or not.  Out: the number of open edges, and the share.
+   ------------------------------------------------------------------------------------------------------ */
+/* Counts the edges of an odd number of triangles.  A corner is known by its coordinates, mixed, and so is an edge. */
+static pbw_status pbwwr__count_open(pbwwr__work *w, const pbw_wrap_input *in)
+{
+    PBW_ARRAY(uint64_t) keys = { NULL, 0, 0 };
+    pbwsf__indices order = { NULL, 0, 0 };
+    const size_t count = 3 * in->triangle_count;
+    pbw_status status = PBW_ERROR_MEMORY;
+    size_t i, k, end;
+    if (PBW_FIT(&w->memory, keys, count) && PBW_FIT(&w->memory, order, count)) {
+        for (i = 0; i < count; i++) {
+            const double *ends[2];
+            uint64_t key[2] = { 0, 0 };
+            ends[0] = in->points + 3 * (size_t)in->triangles[i];
+            ends[1] = in->points + 3 * (size_t)in->triangles[i % 3 == 2 ? i - 2 : i + 1];
+            for (k = 0; k < 6; k++) {
+                key[k / 3] = pbw_random(key[k / 3], pbw_sort_key(ends[k / 3][k % 3]));
+            }
+            keys.at[i] = key[0] == key[1] ? 0 : pbw_random(key[0] < key[1] ? key[0] : key[1],
+                                                           key[0] < key[1] ? key[1] : key[0]);
+        }
+        status = pbw_sort(keys.at, count, &w->options, order.at);
+    }
+    for (i = 0; i < count && status == PBW_OK; i = end) {
+        for (end = i + 1; end < count && keys.at[order.at[end]] == keys.at[order.at[i]]; end++) {
+        }
+        w->report->open_edges += keys.at[order.at[i]] != 0 && (end - i) % 2 == 1;
+    }
+    PBW_RELEASE(&w->memory, keys);
+    PBW_RELEASE(&w->memory, order);
+    return status;
+}
+
+/* Whether a place is beyond the surface.  Walks to it from a cell, which ends, as the cells are Delaunay. */
+static int pbwwr__is_outside(const pbwwr__work *w, pbw_index at, const double p[3])
+{
+    unsigned k = 0;
+    while (at != PBW_NONE && k < 4) {
+        const double *c[4];
+        pbwwr__corners(w, w->cells.at + at, c);
+        for (k = 0; k < 4; k++) {
+            const double *const corner = c[k];
+            c[k] = p;
+            if (pbw_orient3(c[0], c[1], c[2], c[3]) < 0) {
+                at = w->cells.at[at].next[k];
+                break;
+            }
+            c[k] = corner;
+        }
+    }
+    return at == PBW_NONE || w->cells.at[at].carved;
+}
+
+/* Whether the surface is on the other side of the element nearest to a vertex of this cell, too, and no other element
+   is between: then the line through both leaves the surface within PBWWR__BEHIND. */
+static int pbwwr__is_sheet(const pbwwr__work *w, pbw_index cell, pbw_index vertex)
+{
+    const double *v = w->x.at[vertex];
+    double near[3], d[3], place[3], p[3], t, length, alpha = w->alpha;
+    int k, sheet = 1;
+    if (w->how->alpha_at != NULL) {
+        alpha = fmin(alpha, fmax(w->how->alpha_at(w->how->alpha_user, v), w->offset));
+    }
+    (void)pbwwr__nearest(w, v, w->offset, near);
+    pbwsf__minus(near, v, d);
+    length = sqrt(pbwsf__dot(d, d));
+    for (t = w->offset + PBWWR__BEHIND * alpha; sheet && t > w->offset / 2; t /= 2) {
+        for (k = 0; k < 3; k++) {
+            p[k] = near[k] + (length > 0 ? d[k] / length * t : 0);
+        }
+        sheet = (t < w->offset + PBWWR__BEHIND * alpha || pbwwr__is_outside(w, cell, p))
+             && pbw_surface_closest(&w->surface, p, t / 2, place) == PBW_NONE;
+    }
+    return sheet;
+}
+
+/* Returns the share of the surface's area that is on both sides of what it is around, from some of its facets. */
+static double pbwwr__both_sides(const pbwwr__work *w)
+{
+    double area = 0, both = 0, n[3];
+    size_t i, k, facets = 0, taken = 0, pass;
+    for (pass = 0; pass < 2; pass++) {
+        for (i = 0; i < w->cells.count; i++) {
+            for (k = 0; k < 4 && pbwwr__is_kept(w, i); k++) {
+                const pbw_index *const corner = w->cells.at[i].corner;
+                if (!pbwwr__is_facet(w, i, k)) {
+                    continue;
+                }
+                facets += pass == 0;
+                if (pass == 1 && taken++ % (facets / PBWWR__SAMPLE + 1) == 0) {
+                    pbwsf__normal(w->x.at[corner[PBW_FACET_CORNER(k, 0)]], w->x.at[corner[PBW_FACET_CORNER(k, 1)]],
+                                  w->x.at[corner[PBW_FACET_CORNER(k, 2)]], n);
+                    n[0] = sqrt(pbwsf__dot(n, n));
+                    area += n[0];
+                    both += pbwwr__is_sheet(w, (pbw_index)i, corner[PBW_FACET_CORNER(k, 0)]) ? n[0] : 0;
+                }
+            }
+        }
+    }
+    return area > 0 ? both / area : 0;
+}
+
+/* ------------------------------------------------------------------------------------------------------
    >>stages       All of it in order.
    In: elements.  Out: the wrap and the report.
    ------------------------------------------------------------------------------------------------------ */
@@ -1720,85 +1871,19 @@ static pbw_status pbwwr__wrap(pbwwr__work *w)
     return status != PBW_OK ? status : pbwwr__make_manifold(w);
 }
 
-/* Counts the edges of an odd number of triangles.  A corner is known by its coordinates, mixed, and so is an edge. */
-static pbw_status pbwwr__count_open(pbwwr__work *w, const pbw_wrap_input *in)
-{
-    PBW_ARRAY(uint64_t) keys = { NULL, 0, 0 };
-    pbwsf__indices order = { NULL, 0, 0 };
-    const size_t count = 3 * in->triangle_count;
-    pbw_status status = PBW_ERROR_MEMORY;
-    size_t i, k, end;
-    if (PBW_FIT(&w->memory, keys, count) && PBW_FIT(&w->memory, order, count)) {
-        for (i = 0; i < count; i++) {
-            const double *ends[2];
-            uint64_t key[2] = { 0, 0 };
-            ends[0] = in->points + 3 * (size_t)in->triangles[i];
-            ends[1] = in->points + 3 * (size_t)in->triangles[i % 3 == 2 ? i - 2 : i + 1];
-            for (k = 0; k < 6; k++) {
-                key[k / 3] = pbw_random(key[k / 3], pbw_sort_key(ends[k / 3][k % 3]));
-            }
-            keys.at[i] = key[0] == key[1] ? 0 : pbw_random(key[0] < key[1] ? key[0] : key[1],
-                                                           key[0] < key[1] ? key[1] : key[0]);
-        }
-        status = pbw_sort(keys.at, count, &w->options, order.at);
-    }
-    for (i = 0; i < count && status == PBW_OK; i = end) {
-        for (end = i + 1; end < count && keys.at[order.at[end]] == keys.at[order.at[i]]; end++) {
-        }
-        w->report->open_edges += keys.at[order.at[i]] != 0 && (end - i) % 2 == 1;
-    }
-    PBW_RELEASE(&w->memory, keys);
-    PBW_RELEASE(&w->memory, order);
-    return status;
-}
-
-/* Whether the wrap is thick, or has a place inside that is farther than alpha from all elements, which no shell has.
-   Looks at centroids, and at centres that are in their cells. */
-static int pbwwr__is_closed(pbwwr__work *w)
-{
-    double volume, area;
-    size_t i, tets, facets;
-    int k, j;
-    pbwwr__measure(w, &volume, &area, &tets, &facets);
-    if (2 * volume > (2 * w->offset + w->alpha / PBWWR__ROUNDED) * area) {
-        return 1;
-    }
-    for (i = 0; i < w->cells.count; i++) {
-        const double *c[4], *s[4];
-        double place[3], middle[3];
-        int within = 1;
-        if (!pbwwr__is_kept(w, i)) {
-            continue;
-        }
-        pbwwr__corners(w, w->cells.at + i, c);
-        for (k = 0; k < 3; k++) {
-            middle[k] = (c[0][k] + c[1][k] + c[2][k] + c[3][k]) / 4;
-        }
-        (void)pbwwr__centre(w, w->cells.at + i);
-        for (j = 0; j < 4; j++) {
-            memcpy((void *)s, (const void *)c, sizeof s);
-            s[j] = w->cells.at[i].centre;
-            within &= pbw_orient3(s[0], s[1], s[2], s[3]) > 0;
-        }
-        if (pbw_surface_closest(&w->surface, middle, w->alpha, place) == PBW_NONE
-            || (within && pbw_surface_closest(&w->surface, w->cells.at[i].centre, w->alpha, place) == PBW_NONE)) {
-            return 1;
-        }
-    }
-    return 0;
-}
-
-/* Looks for the least alpha that makes no shell: raises it until there is one, and bisects three times. */
+/* Looks for the least alpha that closes the model: raises it until there is one, and bisects three times.  A ball
+   with half the diagonal as its radius passes no hole. */
 static pbw_status pbwwr__find_closing(pbwwr__work *w, double *closing)
 {
+    const pbwsf__box *box = ((const pbwsf__tree *)w->surface.memory)->boxes.at;
+    const double most = pbwsf__distance(box->low, box->high) / 2;
     pbw_wrap_report other = *w->report, *const report = w->report;
-    const double most = pbwsf__distance(w->low, w->high);
     double shell = w->alpha, closed = 0;
     pbw_status status = PBW_OK;
     int i;
     w->report = &other;
-    for (i = 0; status == PBW_OK && i < 3 && shell < most;) {
-        status = pbwwr__set_lengths(w, closed > 0 ? sqrt(shell * closed) : 1.4 * shell);
+    for (i = 0; status == PBW_OK && i < 3 && (closed > 0 || shell < most);) {
+        status = pbwwr__set_lengths(w, closed > 0 ? sqrt(shell * closed) : fmin(1.4 * shell, most));
         status = status != PBW_OK ? status : pbwwr__wrap(w);
         i += closed > 0;
         if (w->late) {                               /* what was found counts */
@@ -1806,7 +1891,7 @@ static pbw_status pbwwr__find_closing(pbwwr__work *w, double *closing)
             status = PBW_OK;
             break;
         }
-        if (status == PBW_OK && !pbwwr__is_closed(w)) {
+        if (status == PBW_OK && pbwwr__both_sides(w) > PBWWR__CLOSED) {
             shell = w->alpha;
         } else if (status == PBW_OK) {
             closed = w->alpha;
@@ -1835,9 +1920,10 @@ static pbw_status pbwwr__run(pbwwr__work *w, const pbw_wrap_input *in, pbw_wrap_
     w->done = fmax(w->done, 0.9);
     status = status == PBW_OK && w->how->fill > 0 ? pbwwr__fill(w) : status;
     status = status != PBW_OK ? status : pbwwr__output(w, wrap);
-    if (status == PBW_OK && !pbwwr__is_closed(w)) {
-        status = pbwwr__count_open(w, in);
-        r->shell = r->open_edges > 0 || in->triangle_count == 0;
+    status = status != PBW_OK ? status : pbwwr__count_open(w, in);
+    if (status == PBW_OK && (r->open_edges > 0 || in->triangle_count == 0)) {
+        r->both_sides = pbwwr__both_sides(w);
+        r->shell = r->both_sides > PBWWR__SHELL;
     }
     if (status == PBW_OK && r->shell && w->how->closing && w->how->alpha_at == NULL) {
         w->until = until;
@@ -1914,8 +2000,10 @@ PBWDEF pbw_status pbw_wrap(const pbw_wrap_input *input, const pbw_wrap_options *
     return status;
 }
 
-/* ---- distances ---- */
-
+/* ------------------------------------------------------------------------------------------------------
+   >>solid        Good tetrahedra in a wrap; distances.
+   In: elements.  Out: tetrahedra, and how far their boundary and the elements are apart.
+   ------------------------------------------------------------------------------------------------------ */
 typedef struct pbwwr__far {                /* places of triangles, and the surface that they are far from */
     const pbw_surface *of, *from;
     int per;                               /* places a triangle: 3 corners, 1 centroid, 3 middles of edges */
@@ -1992,6 +2080,219 @@ PBWDEF pbw_status pbw_wrap_distance(const pbw_wrap_input *input, const double *p
     return status;
 }
 
+typedef struct pbwwr__solid {              /* the calls of pbw_wrap_solid */
+    const pbw_wrap_input *input;
+    const pbw_wrap_solid_options *how;
+    pbw_wrap_solid_report *report;
+    const pbw_options *caller;
+    pbw_memory memory;
+    pbw_options inner, lasting;            /* for results that end with the call, and for the mesh */
+    double until;                          /* processor time; 0 = no limit */
+    double from, to, done;                 /* the call's part of the progress */
+} pbwwr__solid;
+
+static int pbwwr__part_progress(void *user, pbw_stage stage, double done)
+{
+    pbwwr__solid *s = (pbwwr__solid *)user;
+    (void)stage;
+    s->done = fmax(s->done, s->from + (s->to - s->from) * fmin(done, 1));
+    return s->caller != NULL && s->caller->progress != NULL
+        && s->caller->progress(s->caller->progress_user, PBW_STAGE_WORK, s->done) != 0;
+}
+
+/* Begins a stage, which ends at `to` of the progress.  Returns the seconds that are left for it, 0 = no limit. */
+static double pbwwr__begin(pbwwr__solid *s, const char *name, double to)
+{
+    s->from = s->to;
+    s->to = to;
+    if (s->how->stage != NULL) {
+        *s->how->stage = name;
+    }
+    s->lasting.memory_limit = pbw_memory_left(&s->memory);
+    return s->until > 0 ? fmax((s->until - (double)clock()) / CLOCKS_PER_SEC, 1e-9) : 0;
+}
+
+static void pbwwr__start_solid(pbwwr__solid *s, const pbw_options *options)
+{
+    pbwwr__work w;                                   /* for its options */
+    memset(&w, 0, sizeof w);
+    pbwwr__set_options(&w, options);
+    s->caller = options;
+    s->until = s->how->seconds > 0 ? (double)clock() + s->how->seconds * CLOCKS_PER_SEC : 0;
+    s->lasting = w.options;
+    s->lasting.resize = options != NULL ? options->resize : NULL;
+    s->lasting.resize_user = options != NULL ? options->resize_user : NULL;
+    s->lasting.progress = pbwwr__part_progress;
+    s->lasting.progress_user = s;
+    pbw_memory_start(&s->memory, options);
+    s->inner = s->lasting;
+    pbw_memory_nest(&s->memory, &s->inner);
+}
+
+/* The diagonal of the elements' box; 1 where ids or coordinates are wrong, which the wrap refuses. */
+static double pbwwr__diagonal(const pbw_wrap_input *in)
+{
+    const pbw_index *const ids[3] = { in->triangles, in->segments, in->singles };
+    const size_t count[3] = { 3 * in->triangle_count, 2 * in->segment_count, in->single_count };
+    double low[3] = { HUGE_VAL, HUGE_VAL, HUGE_VAL }, high[3] = { -HUGE_VAL, -HUGE_VAL, -HUGE_VAL }, diagonal;
+    size_t i, j, k;
+    for (i = 0; i < 3; i++) {
+        for (j = 0; j < count[i] && ids[i] != NULL; j++) {
+            for (k = 0; k < 3 && ids[i][j] < in->point_count; k++) {
+                low[k] = fmin(low[k], in->points[3 * (size_t)ids[i][j] + k]);
+                high[k] = fmax(high[k], in->points[3 * (size_t)ids[i][j] + k]);
+            }
+        }
+    }
+    diagonal = pbwsf__distance(low, high);
+    return diagonal < HUGE_VAL ? diagonal : 1;
+}
+
+/* Makes the wrap, with a larger alpha where that closes the model. */
+static pbw_status pbwwr__wrap_to_fill(pbwwr__solid *s, pbw_wrap_result *wrap)
+{
+    const int given = s->how->wrap.alpha > 0 || s->how->wrap.alpha_at != NULL;
+    pbw_wrap_options how = s->how->wrap;
+    pbw_wrap_report *const r = &s->report->wrap;
+    double size = s->how->size;
+    pbw_status status;
+    size = size > 0 ? size : fmax(pbwwr__diagonal(s->input) / 40, how.alpha_at == NULL ? 2 * how.alpha : 0);
+    how.alpha = how.alpha > 0 ? how.alpha : size / 2;
+    how.offset = how.offset > 0 ? how.offset : fmin(size / 8, how.alpha / 2);
+    how.fill = size;
+    how.closing = 1;
+    how.seconds = pbwwr__begin(s, "wrap", 0.3);
+    status = pbw_wrap(s->input, &how, &s->inner, wrap, r);
+    if (status == PBW_OK && !given && r->closing > 0
+        && (r->closing < PBWWR__RAISED * r->alpha || s->input->triangle_count == 0)) {
+        const double shell = r->alpha;
+        pbw_wrap_free(wrap);
+        how.alpha = r->closing;
+        how.fill = size = s->how->size > 0 ? size : fmax(size, 2 * how.alpha);
+        how.seconds = pbwwr__begin(s, "wrap", 0.4);
+        status = pbw_wrap(s->input, &how, &s->inner, wrap, r);
+        s->report->raised = shell;
+    }
+    s->report->size = size;
+    s->report->points = wrap->point_count;
+    s->report->facets = wrap->facet_count;
+    s->report->tets = wrap->tet_count;
+    s->report->closed = s->input->triangle_count > 0 && r->open_edges == 0
+                     && s->input->segment_count + s->input->single_count == 0;
+    return status;
+}
+
+static void pbwwr__to_model(void *user, double point[3])
+{
+    double place[3];
+    if (pbw_surface_closest((const pbw_surface *)user, point, HUGE_VAL, place) != PBW_NONE) {
+        memcpy(point, place, sizeof place);
+    }
+}
+
+/* Improves the tetrahedra.  Boundary points slide on the wrap, which has no sharp edges; if the model is closed, they
+   are first smoothed on that. */
+static pbw_status pbwwr__improve(pbwwr__solid *s, const pbw_wrap_result *wrap, pbw_tets *mesh)
+{
+    const pbw_wrap_input *in = s->input;
+    const double start = (double)clock();
+    pbw_improve_options how;
+    pbw_surface model;
+    pbw_status status = PBW_OK;
+    pbw_tets tets;
+    memset(&model, 0, sizeof model);
+    memset(&how, 0, sizeof how);
+    memset(&tets, 0, sizeof tets);
+    tets.points = wrap->points;
+    tets.point_count = wrap->point_count;
+    tets.corners = wrap->corners;
+    tets.tet_count = wrap->tet_count;
+    tets.neighbors = wrap->neighbors;
+    how.target = s->how->target;
+    how.feature_angle = 180;
+    if (s->report->closed && !s->how->stay) {
+        status = pbw_surface_create(in->points, in->point_count, in->triangles, in->triangle_count, &s->inner,
+                                    &model);
+        how.project = pbwwr__to_model;
+        how.project_user = &model;
+        how.rounds = 10;
+    }
+    how.seconds = pbwwr__begin(s, "improve", 0.9);
+    status = status != PBW_OK ? status : pbw_improve(&tets, &how, &s->lasting, mesh, &s->report->improve);
+    s->memory.used += status == PBW_OK ? pbwim__result_bytes(mesh) : 0;
+    s->report->late = s->until > 0 && (double)clock() >= s->until;
+    s->report->seconds[0] = ((double)clock() - start) / CLOCKS_PER_SEC;
+    pbw_surface_free(&model);
+    return status;
+}
+
+/* Measures how far the mesh's boundary and the elements are apart. */
+static pbw_status pbwwr__measure_mesh(pbwwr__solid *s, const pbw_tets *mesh)
+{
+    PBW_ARRAY(pbw_index) facets = { NULL, 0, 0 };
+    pbw_status status = PBW_OK;
+    size_t i, k;
+    for (i = 0; i < 4 * mesh->tet_count && status == PBW_OK; i++) {
+        for (k = 0; k < 3 && mesh->neighbors[i] == PBW_NONE && status == PBW_OK; k++) {
+            status = PBW_PUSH(&s->memory, facets, mesh->corners[i / 4 * 4 + PBW_FACET_CORNER(i % 4, k)])
+                   ? PBW_OK : PBW_ERROR_MEMORY;
+        }
+    }
+    status = status != PBW_OK ? status
+           : pbw_wrap_distance(s->input, mesh->points, mesh->point_count, facets.at, facets.count / 3, &s->inner,
+                               s->report->after);
+    PBW_RELEASE(&s->memory, facets);
+    return status;
+}
+
+PBWDEF pbw_status pbw_wrap_solid(const pbw_wrap_input *input, const pbw_wrap_solid_options *how,
+                                 const pbw_options *options, pbw_tets *mesh, pbw_wrap_solid_report *report)
+{
+    pbw_wrap_solid_options plain;
+    pbw_wrap_solid_report own;
+    pbw_wrap_result wrap;
+    pbwwr__solid s;
+    pbw_status status;
+    double start;
+    memset(&s, 0, sizeof s);
+    memset(&plain, 0, sizeof plain);
+    memset(&wrap, 0, sizeof wrap);
+    s.input = input;
+    s.how = how != NULL ? how : &plain;
+    s.report = report != NULL ? report : &own;
+    memset(s.report, 0, sizeof *s.report);
+    s.report->before[0] = s.report->before[1] = s.report->after[0] = s.report->after[1] = -1;
+    if (mesh != NULL) {
+        memset(mesh, 0, sizeof *mesh);
+    }
+    if (input == NULL || mesh == NULL || !(s.how->size >= 0)) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    pbwwr__start_solid(&s, options);
+    status = pbwwr__wrap_to_fill(&s, &wrap);
+    start = (double)clock();
+    if (status == PBW_OK && !(s.until > 0 && start >= s.until)) {
+        status = pbw_wrap_distance(input, wrap.points, wrap.point_count, wrap.facets, wrap.facet_count, &s.inner,
+                                   s.report->before);
+    }
+    s.report->seconds[1] = ((double)clock() - start) / CLOCKS_PER_SEC;
+    status = status != PBW_OK ? status : pbwwr__improve(&s, &wrap, mesh);
+    pbw_wrap_free(&wrap);
+    start = (double)clock();
+    (void)pbwwr__begin(&s, "measure", 1);
+    if (status == PBW_OK && !(s.until > 0 && start >= s.until)) {
+        status = pbwwr__measure_mesh(&s, mesh);
+    }
+    s.report->seconds[1] += ((double)clock() - start) / CLOCKS_PER_SEC;
+    if (status == PBW_OK && pbwwr__part_progress(&s, PBW_STAGE_WORK, 1)) {
+        status = PBW_CANCELLED;
+    }
+    if (status != PBW_OK) {
+        pbw_tets_free(mesh);
+    }
+    return status;
+}
+
 PBW_CONTRACTION_ON
-#endif /* PBWSF__SEAM */
+#endif /* PBWSF__SEAM, PBWIM__SEAM */
 #endif /* PBW_WRAP_IMPLEMENTATION */

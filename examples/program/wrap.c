@@ -137,14 +137,15 @@ static int refuse(const job *j, pbw_status status, const pbw_wrap_report *r)
     }
 }
 
-static void report_on(const job *j, const pbw_wrap_result *w, const pbw_wrap_report *r)
+/* Reports on a wrap of so many facets, points and tetrahedra. */
+static void report_on(const job *j, const pbw_wrap_report *r, size_t facets, size_t points, size_t tets)
 {
     report_step(j, "tree", r->seconds[0], "%s", "");
     report_step(j, "wrap", r->seconds[1], "alpha %.6g, offset %.6g, %zu round%s", r->alpha, r->offset,
                 COUNT(r->rounds));
-    report_line(j, "%zu facet%s in %zu component%s, %zu point%s; %zu %s inside; %.0f facets a second",
-                COUNT(w->facet_count), COUNT(r->components), COUNT(w->point_count), w->tet_count,
-                simplices(3, w->tet_count), r->seconds[1] > 0 ? (double)w->facet_count / r->seconds[1] : 0);
+    report_line(j, "%zu facet%s in %zu component%s, %zu point%s; %zu %s inside; %.0f facets a second", COUNT(facets),
+                COUNT(r->components), COUNT(points), tets, simplices(3, tets),
+                r->seconds[1] > 0 ? (double)facets / r->seconds[1] : 0);
     report_line(j, "volume %.9g, area %.9g", r->volume, r->area);
     if (r->repairs > 0) {
         report_line(j, "%zu tetrahedr%s put back for a manifold", r->repairs, r->repairs == 1 ? "on" : "a");
@@ -154,11 +155,42 @@ static void report_on(const job *j, const pbw_wrap_result *w, const pbw_wrap_rep
              r->unused_seeds, r->unused_seeds == 1 ? " is" : "s are");
     }
     if (r->shell) {
-        char remedy[80] = "; a larger --alpha may close it";
-        if (r->closing > 0) {
-            snprintf(remedy, sizeof remedy, "; --alpha %.3g closes it", r->closing);
-        }
-        warn(j, "the wrap is a thin shell around both sides of the model, which is open%s", remedy);
+        char remedy[80];
+        snprintf(remedy, sizeof remedy, r->closing > 0 ? "--alpha %.3g closes it"
+                 : is_given(j, "--seconds") || is_given(j, "--alpha") ? "a larger --alpha may close it"
+                 : "no --alpha closes it", r->closing);
+        warn(j, "%.0f %% of the wrap is a thin shell around both sides of the model, which is open; %s",
+             100 * r->both_sides, remedy);
+    }
+}
+
+static void report_distances(const job *j, const char *when, const double distance[2], double size)
+{
+    if (distance[0] >= 0) {
+        report_line(j, "%sthe boundary is up to %.3f sizes of %.6g from the model, the model up to %.3f sizes from "
+                    "the boundary", when, distance[0] / size, size, distance[1] / size);
+    }
+}
+
+static void report_on_solid(const job *j, const pbw_tets *made, const pbw_wrap_solid_report *r)
+{
+    if (r->raised > 0) {
+        warn(j, "the model is open, and alpha %.3g makes a thin shell: %.3g, which closes it, is taken instead",
+             r->raised, r->wrap.alpha);
+    }
+    report_on(j, &r->wrap, r->facets, r->points, r->tets);
+    report_distances(j, "before: ", r->before, r->size);
+    report_step(j, "improve", r->seconds[0], "%d pass%s", r->improve.passes, r->improve.passes == 1 ? "" : "es");
+    report_line(j, "%zu %s, %zu point%s", made->tet_count, simplices(3, made->tet_count), COUNT(made->point_count));
+    describe_quality(j, "before: ", &r->improve.before);
+    describe_quality(j, "after:  ", &r->improve.after);
+    describe_histogram(j, &r->improve.after);
+    report_distances(j, "after:  ", r->after, r->size);
+    if (r->late) {
+        warn(j, "--seconds were over: improvement ended with %zu %s below the target, and distances are not measured",
+             r->improve.left, simplices(3, r->improve.left));
+    } else if (r->after[0] < 0) {
+        warn(j, "--seconds were over: distances are not measured");
     }
 }
 
@@ -232,184 +264,87 @@ static double seconds_left(const job *j)
     return seconds > 0 ? fmax(seconds - (double)clock() / CLOCKS_PER_SEC, 1e-3) : 0;
 }
 
-/* Whether the model is of triangles alone, and closed: an even number of them at each edge. */
-static pbw_status is_closed(const job *j, const pbw_wrap_input *in, int *closed)
-{
-    pbw_surface_faults f;
-    const pbw_status status = pbw_surface_crossings(in->points, in->point_count, in->triangles, in->triangle_count,
-                                                    &j->build, &f);
-    size_t i;
-    *closed = in->triangle_count > 0 && in->segment_count + in->single_count == 0;
-    for (i = 0; status == PBW_OK && i < f.edge_count; i++) {
-        *closed = *closed && f.edge_triangles[i] % 2 == 0;
-    }
-    pbw_surface_faults_free(&f);
-    return status;
-}
-
-static void to_model(void *user, double point[3])
-{
-    double place[3];
-    if (pbw_surface_closest((const pbw_surface *)user, point, HUGE_VAL, place) != PBW_NONE) {
-        memcpy(point, place, sizeof place);
-    }
-}
-
-/* Improves the tetrahedra in a wrap, and reports.  Boundary points slide on its surface, which has no sharp edges; if
-   the model is closed, they are first smoothed on that, as far as it keeps tetrahedra good. */
-static int improve_wrap(job *j, const elements *e, const pbw_tets *in, pbw_tets *better)
-{
-    pbw_improve_options how;
-    pbw_improve_report r;
-    pbw_surface model;
-    const double start = now();
-    int failed, closed;
-    memset(&model, 0, sizeof model);
-    memset(&how, 0, sizeof how);
-    how.target = number_of(j, "--target", 0);
-    how.seconds = seconds_left(j);
-    how.feature_angle = 180;
-    j->stage = "improve";
-    failed = explain(j, is_closed(j, &e->in, &closed));
-    if (!failed && closed && !is_given(j, "--offset")) {
-        failed = explain(j, pbw_surface_create(e->in.points, e->in.point_count, e->in.triangles,
-                                               e->in.triangle_count, &j->build, &model));
-        how.project = to_model;
-        how.project_user = &model;
-        how.rounds = 10;
-    }
-    failed = failed ? failed : explain(j, pbw_improve(in, &how, &j->build, better, &r));
-    pbw_surface_free(&model);
-    j->stage = NULL;
-    if (!failed) {
-        report_step(j, "improve", now() - start, "%d pass%s", r.passes, r.passes == 1 ? "" : "es");
-        report_line(j, "%zu %s, %zu point%s", better->tet_count, simplices(3, better->tet_count),
-                    COUNT(better->point_count));
-        describe_quality(j, "before: ", &r.before);
-        describe_quality(j, "after:  ", &r.after);
-        describe_histogram(j, &r.after);
-    }
-    return failed;
-}
-
-/* Tells how far the boundary of tetrahedra and the model are apart; size: by that, 0 = by nothing.  when: begins the
-   line. */
-static int measure_distance(job *j, const elements *e, const pbw_tets *tets, double size, const char *when)
-{
-    double distance[2];
-    const double left = seconds_left(j);
-    size_t count;
-    pbw_index *facets;
-    int failed;
-    if (left > 0 && left < 0.01) {
-        warn(j, "--seconds are over: distances are not measured");
-        return 0;
-    }
-    show_tets(j, tets);
-    facets = boundary_of(j, &count);
-    memset(&j->mesh, 0, sizeof j->mesh);
-    failed = facets == NULL ? fail(j, "out of memory")
-           : explain(j, pbw_wrap_distance(&e->in, tets->points, tets->point_count, facets, count, &j->build,
-                                          distance));
-    free(facets);
-    if (!failed && size > 0) {
-        report_line(j, "%sthe boundary is up to %.3f sizes of %.6g from the model, the model up to %.3f sizes from "
-                    "the boundary", when, distance[0] / size, size, distance[1] / size);
-    } else if (!failed) {
-        report_line(j, "the wrap is up to %.6g from the model, the model up to %.6g from the wrap", distance[0],
-                    distance[1]);
-    }
-    return failed;
-}
-
-#define MOST_RAISED 1.5                              /* times alpha, at most, to close a model with faces, so that its
-                                                        details stay; one without faces is closed anyway */
-
-/* Wraps what is loaded; with a size, good tetrahedra of that size. */
-static int wrap_elements(job *j, const elements *e, pbw_wrap_options *how)
+/* Wraps what is loaded. */
+static int wrap_elements(job *j, const elements *e, const pbw_wrap_options *how)
 {
     pbw_wrap_report report;
     pbw_wrap_result wrap;
-    pbw_tets tets, better;
-    pbw_status status;
-    int failed;
-    how->seconds = seconds_left(j);
-    status = pbw_wrap(&e->in, how, &j->build, &wrap, &report);
-    if (status == PBW_OK && how->fill > 0 && !is_given(j, "--alpha") && report.closing > 0
-        && (report.closing < MOST_RAISED * report.alpha || e->in.triangle_count == 0)) {
-        warn(j, "the model is open, and alpha %.3g makes a thin shell: %.3g, which closes it, is taken instead",
-             report.alpha, report.closing);
-        pbw_wrap_free(&wrap);
-        how->alpha = report.closing;
-        how->fill = is_given(j, "--size") ? how->fill : fmax(how->fill, 2 * how->alpha);
-        how->seconds = seconds_left(j);
-        status = pbw_wrap(&e->in, how, &j->build, &wrap, &report);
-    }
-    failed = status != PBW_OK ? refuse(j, status, &report) : 0;
+    pbw_tets tets;
+    double distance[2];
+    pbw_status status = pbw_wrap(&e->in, how, &j->build, &wrap, &report);
+    int failed = status != PBW_OK ? refuse(j, status, &report) : 0;
     memset(&tets, 0, sizeof tets);
-    memset(&better, 0, sizeof better);
     if (!failed) {
-        report_on(j, &wrap, &report);
+        report_on(j, &report, wrap.facet_count, wrap.point_count, wrap.tet_count);
+        failed = explain(j, pbw_wrap_distance(&e->in, wrap.points, wrap.point_count, wrap.facets, wrap.facet_count,
+                                              &j->build, distance));
+    }
+    if (!failed) {
+        report_line(j, "the wrap is up to %.6g from the model, the model up to %.6g from the wrap", distance[0],
+                    distance[1]);
         tets.points = wrap.points;
         tets.point_count = wrap.point_count;
         tets.corners = wrap.corners;
         tets.tet_count = wrap.tet_count;
         tets.neighbors = wrap.neighbors;
-        failed = how->fill > 0 ? measure_distance(j, e, &tets, how->fill, "before: ") : 0;
-        failed = failed || !(how->fill > 0) ? failed : improve_wrap(j, e, &tets, &better);
+        failed = write_tets(j, e, &tets);
     }
-    if (!failed) {
-        const pbw_tets *made = how->fill > 0 ? &better : &tets;
-        failed = measure_distance(j, e, made, how->fill, "after:  ");
-        failed = failed ? failed : write_tets(j, e, made);
-    }
-    pbw_tets_free(&better);
     pbw_wrap_free(&wrap);
+    return failed;
+}
+
+/* Fills a wrap of what is loaded. */
+static int fill_wrap(job *j, const elements *e, pbw_wrap_solid_options *how)
+{
+    pbw_wrap_solid_report report;
+    pbw_tets made;
+    pbw_status status;
+    int failed;
+    how->stage = &j->stage;
+    status = pbw_wrap_solid(&e->in, how, &j->build, &made, &report);
+    j->stage = NULL;
+    failed = status != PBW_OK ? refuse(j, status, &report.wrap) : 0;
+    if (!failed) {
+        report_on_solid(j, &made, &report);
+        failed = write_tets(j, e, &made);
+    }
+    pbw_tets_free(&made);
     return failed;
 }
 
 /* Loads the input and wraps it; solid: good tetrahedra, of --size. */
 static int run_both(job *j, int solid)
 {
-    pbw_wrap_options how;
+    pbw_wrap_solid_options how;
     pbwio_cloud seeds;
     elements e;
     sizing alphas;
-    double low[3] = { HUGE_VAL, HUGE_VAL, HUGE_VAL }, high[3] = { -HUGE_VAL, -HUGE_VAL, -HUGE_VAL };
     char *end = NULL;
     const char *size = solid ? text_of(j, "--size") : NULL;
-    size_t i;
     int failed;
     memset(&seeds, 0, sizeof seeds);
     memset(&how, 0, sizeof how);
     memset(&e, 0, sizeof e);
     memset(&alphas, 0, sizeof alphas);
-    how.fill = size != NULL ? strtod(size, &end) : 0;
-    if (size != NULL && (*end != 0 || !(how.fill > 0))) {
+    how.size = size != NULL ? strtod(size, &end) : 0;
+    if (size != NULL && (*end != 0 || !(how.size > 0))) {
         return complain("--size %s: with --wrap it is a number above 0", size);
     }
     j->read.dim = 3;
     failed = load_sizes(j, "--alpha", 0);
     failed = failed ? failed : complete_groups(j);
-    failed = failed ? failed : load_seeds(j, &seeds, &how);
+    failed = failed ? failed : load_seeds(j, &seeds, &how.wrap);
     failed = failed ? failed : find_elements(j, &e);
-    failed = failed ? failed : set_alphas(j, &alphas, &how);
-    for (i = 0; i < 3 * j->cloud.count && !failed; i++) {
-        low[i % 3] = fmin(low[i % 3], j->cloud.points[i]);
-        high[i % 3] = fmax(high[i % 3], j->cloud.points[i]);
-    }
-    if (solid && size == NULL && !failed) {          /* facets are about as large as alpha */
-        how.fill = sqrt(pow(high[0] - low[0], 2) + pow(high[1] - low[1], 2) + pow(high[2] - low[2], 2)) / 40;
-        how.fill = fmax(how.fill, how.alpha_at == NULL ? 2 * how.alpha : 0);
-    }
-    how.alpha = how.alpha > 0 ? how.alpha : how.fill / 2;
-    how.offset = number_of(j, "--offset", solid ? fmin(how.fill / 8, how.alpha_at == NULL ? how.alpha / 2
-                                                                                           : 15 * how.offset)
-                                                : how.offset);
-    how.most = number_of(j, "--most", 0);
-    how.fast = is_given(j, "--fast");
-    how.closing = 1;
-    failed = failed ? failed : wrap_elements(j, &e, &how);
+    failed = failed ? failed : set_alphas(j, &alphas, &how.wrap);
+    how.wrap.offset *= solid ? 15 : 1;               /* half of the least alpha */
+    how.wrap.offset = number_of(j, "--offset", how.wrap.offset);
+    how.wrap.most = number_of(j, "--most", 0);
+    how.wrap.fast = is_given(j, "--fast");
+    how.wrap.closing = 1;
+    how.stay = is_given(j, "--offset");
+    how.target = number_of(j, "--target", 0);
+    how.seconds = how.wrap.seconds = seconds_left(j);
+    failed = failed ? failed : solid ? fill_wrap(j, &e, &how) : wrap_elements(j, &e, &how.wrap);
     pbwio_free(&seeds);
     free_sizes(&alphas);
     free(e.boundary);

@@ -73,3 +73,10 @@ int pbw_python_wrap(const pbw_wrap_input *input, const pbw_wrap_options *how, co
     const pbw_options options = watched(w);
     return (int)pbw_wrap(input, how, &options, wrap, report);
 }
+
+int pbw_python_wrap_solid(const pbw_wrap_input *input, const pbw_wrap_solid_options *how, const watch *w,
+                          pbw_tets *mesh, pbw_wrap_solid_report *report)
+{
+    const pbw_options options = watched(w);
+    return (int)pbw_wrap_solid(input, how, &options, mesh, report);
+}

@@ -26,7 +26,8 @@ size_t pbw_python_size(int structure)
         sizeof(pbw_improve_options), sizeof(pbw_improve_report), sizeof(pbw_solid_input), sizeof(pbw_solid_options),
         sizeof(pbw_solid_report), sizeof(pbw_solid_boundary), sizeof(pbw_surface_faults), sizeof(pbw_wrap_input),
         sizeof(pbw_wrap_options), sizeof(pbw_wrap_result), sizeof(pbw_wrap_report),
-        sizeof(pbw_fill_input), sizeof(pbw_fill_options), sizeof(pbw_fill_report), sizeof(pbw_filled)
+        sizeof(pbw_fill_input), sizeof(pbw_fill_options), sizeof(pbw_fill_report), sizeof(pbw_filled),
+        sizeof(pbw_wrap_solid_options), sizeof(pbw_wrap_solid_report)
     };
     return structure >= 0 && (size_t)structure < sizeof size / sizeof *size ? size[structure] : 0;
 }

@@ -72,6 +72,8 @@ int pbw_python_fill(const pbw_fill_input *input, const pbw_fill_options *how, co
                     pbw_fill_report *report);
 int pbw_python_wrap(const pbw_wrap_input *input, const pbw_wrap_options *how, const watch *w, pbw_wrap_result *wrap,
                     pbw_wrap_report *report);
+int pbw_python_wrap_solid(const pbw_wrap_input *input, const pbw_wrap_solid_options *how, const watch *w,
+                          pbw_tets *mesh, pbw_wrap_solid_report *report);
 
 /* For the files of the library alone. */
 int pbw_python_progress(void *user, pbw_stage stage, double done);

@@ -377,7 +377,10 @@ def solid(vertices, faces, size=0, target=30, feature_angle=40, rounds=0, patche
     wrap=True fills a wrap of the faces instead, which may have holes, crossings and gaps: size, a number, target and
     most are as else, the other arguments have no effect.  Sharp edges are rounded off by about half the size; holes
     are closed up to that, and up to 1.5 times that where it closes the model; sheets become plates, 1/4 of the size
-    thick.  Points are not pulled onto a closed model, as `pbw solid --wrap` does it.  The report is that of improve, and "wrap" in it that of pbw.wrap.
+    thick.  If the faces are closed, points are pulled onto them as far as it keeps tetrahedra good.  The report is
+    that of improve, and in it "wrap" is that of pbw.wrap, "distance" how far the boundary is from the faces and the
+    faces from the boundary, at most, "distance_before" the same of the wrap, "raised" the alpha that left the model
+    open, if a larger one was taken, "closed" whether the faces are, and "size".
 
     Returns a Tets.  Its regions are numbers of shells, its patches those given, else numbers of the parts between
     sharp edges, and -1 or "" where a hole is closed; parts are the latter numbers in any case.  Its report has

@@ -8,7 +8,7 @@ import numpy as np
 
 from . import _errors
 from ._library import _PROGRESS, _Watch, _copied, _fit, _library, _pointers, _run
-from ._tets import _at_points, _check_number, _checked, _plain, improve
+from ._tets import _ImproveReport, _at_points, _check_number, _checked, _made, _plain, _take_facets
 
 _size, _double = ctypes.c_size_t, ctypes.c_double
 
@@ -36,28 +36,56 @@ class _WrapResult(ctypes.Structure):
 class _WrapReport(ctypes.Structure):
     """pbw_wrap_report."""
     _fields_ = [("refusal", ctypes.c_int), *((name, _double) for name in ("alpha", "offset", "volume", "area")),
-                ("open_edges", _size), ("shell", ctypes.c_int), ("closing", _double),
+                ("open_edges", _size), ("both_sides", _double), ("shell", ctypes.c_int), ("closing", _double),
                 *((name, _size) for name in ("components", "unused_seeds", "crossings", "projections", "carved",
                                              "repairs", "dropped", "rounds")),
                 ("seconds", _double * 3)]
 
 
+class _WrapSolidOptions(ctypes.Structure):
+    """pbw_wrap_solid_options."""
+    _fields_ = [("size", _double), ("wrap", _WrapOptions), ("stay", ctypes.c_int), ("target", _double),
+                ("seconds", _double), *_pointers("stage")]
+
+
+class _WrapSolidReport(ctypes.Structure):
+    """pbw_wrap_solid_report."""
+    _fields_ = [("wrap", _WrapReport), ("improve", _ImproveReport), ("size", _double), ("raised", _double),
+                *((name, _size) for name in ("points", "facets", "tets")), ("closed", ctypes.c_int),
+                ("late", ctypes.c_int), *((name, _double * 2) for name in ("before", "after", "seconds"))]
+
+
 _fit(_library, 17, _WrapInput, _WrapOptions, _WrapResult, _WrapReport)
+_fit(_library, 25, _WrapSolidOptions, _WrapSolidReport)
 _REFUSALS = {1: "there is nothing to wrap", 2: "all points are at one place: alpha says how large the wrap shall be",
              3: "the offset is below 1e-9 of the largest coordinate", 4: "more tetrahedra than most",
              5: "the seconds were over before there was a wrap"}
 
 
+def _failed(status, refusal, points):
+    """What to raise."""
+    return (_errors.Error(_REFUSALS[refusal]) if refusal
+            else _errors.from_status(status, _library.pbw_status_string(status).decode(), points, None))
+
+
 def _filled(points, triangles, size, target, most):
-    """Good tetrahedra in a wrap, a Tets whose report has that of the wrap, too: for solid."""
-    length = size or np.linalg.norm(np.ptp(points[triangles].reshape(-1, 3), axis=0)) / 40
-    around = wrap(points, triangles, alpha=length / 2, offset=length / 8, fill=length, most=most, closing=True)
-    closing = around.report["closing"]
-    if 0 < closing < 1.5 * around.report["alpha"]:       # details stay
-        around = wrap(points, triangles, alpha=closing, offset=length / 8, fill=length if size else 2 * closing,
-                      most=most)
-    made = improve(around.points, around.tets, target, feature_angle=180)
-    made.report["wrap"] = around.report
+    """Good tetrahedra in a wrap, a Tets: for solid."""
+    given = _WrapInput(points.ctypes.data, len(points), triangles.ctypes.data, len(triangles))
+    how, report = _WrapSolidOptions(size), _WrapSolidReport()
+    how.target, how.wrap.most = target, most
+
+    def finish(made, mesh):                              # one region, and no patches
+        made.regions = np.zeros(len(made.tets), np.int32)
+        _take_facets(made, np.full((len(made.tets), 4), -1, np.int32), np.array([-1]), np.array([0, -1]))
+        made.edges = np.empty((0, 2), np.int32)
+
+    status, made = _made(lambda watch, mesh, out: _library.pbw_python_wrap_solid(
+        ctypes.byref(given), ctypes.byref(how), watch, mesh, out), report, finish)
+    if status:
+        raise _failed(status, report.wrap.refusal, points)
+    whole = made.report
+    made.report = {**whole["improve"], "wrap": whole["wrap"], "distance_before": whole["before"],
+                   "distance": whole["after"], **{name: whole[name] for name in ("size", "raised", "closed")}}
     return made
 
 
@@ -67,8 +95,9 @@ class Wrap:
     points (n, 3): first the vertices of the surface, then those inside; faces (k, 3), turned outward; elements: per
     face the number of the nearest triangle, segment or point that was wrapped, numbered through in this order; tets
     (m, 4), positive; neighbors (m, 4), -1 at the surface; vertex_count.
-    report: a dictionary; alpha and offset that were used, volume, area, shell: 1 if the wrap is a thin shell around
-    both sides of what is open, and then closing: an alpha that closes it, 0 if none was found.
+    report: a dictionary; alpha and offset that were used, volume, area, both_sides: the share of the surface that is
+    on both sides of something open, shell: 1 if that is more than 0.4, and then closing: an alpha that closes the
+    model, 0 if none does.
     """
 
     def __init__(self, result, report):
@@ -128,10 +157,8 @@ def wrap(points, triangles=None, segments=None, singles=None, alpha=0, offset=0,
     try:
         if thrown:
             raise thrown[0]
-        if report.refusal:
-            raise _errors.Error(_REFUSALS[report.refusal])
         if status[0]:
-            raise _errors.from_status(status[0], _library.pbw_status_string(status[0]).decode(), points, None)
+            raise _failed(status[0], report.refusal, points)
         return Wrap(result, report)
     finally:
         _library.pbw_wrap_free(ctypes.byref(result))
