@@ -688,15 +688,14 @@ extern pbw_status pbw_cuda_loop_step(pbw_cuda_loop *loop, const pbw_cuda_points 
    2*dim numbers in the host's memory, low corner, high corner.  The arrays are those of pbw_cells_of (pbw_cells.h),
    byte for byte if coordinates are of sizes that it takes.  points: of the mesh.  cpu: for points in a box that span
    no simplex; NULL = these give PBW_ERROR_BACKEND.  Other statuses are those of pbw_cells_of; on any but PBW_OK and
-   PBW_DEGENERATE cells are left empty.  Needs 1 kB of device memory a point in space, 1.4 kB with facets.  Waits for
-   the stream.
+   PBW_DEGENERATE cells are left empty.  Needs 1 kB of device memory a point in space, 1.4 with facets.  Waits.
    loop_cells: of the mesh of the last step.  The arrays belong to the loop until its next loop_cells: so centroids
    can be the points of the next step.  All others are for pbw_cuda_cells_free.
    of_host: of packed points in the host's memory, by the current device; the arrays are the host's, too.  options: as
    for pbw_cuda_triangulate; memory_limit is for the mesh and for the cells, each, besides the points.
-   periodic: of points in a box that repeats along all axes; options likewise.  The arrays are those of
-   pbw_cells_periodic, byte for byte if copies within 3.2 spacings are enough, as for even points in space; for others
-   only up to rounding and to the order of facets.  PBW_ERROR_BACKEND for few or very uneven points. */
+   periodic: of points in a box that repeats along axis k if bit k of axes is set; options likewise.  As from
+   pbw_cells_periodic: byte for byte if copies within 3.2 spacings do, as for even points in space, else to rounding
+   and the order of facets.  PBW_ERROR_BACKEND for few or very uneven points.  of_host: axes 0 = none. */
 #define PBW_CUDA_FACETS 1u                 /* fill first, neighbors, areas */
 typedef struct pbw_cuda_cells {            /* start from {0}; arrays on the device, as in pbw_cells */
     int dim;
@@ -714,11 +713,11 @@ extern pbw_status pbw_cuda_cells_of(const pbw_cuda_mesh *mesh, const pbw_cuda_po
                                     unsigned what, const pbw_options *options, void *stream, pbw_triangulator *cpu,
                                     pbw_cuda_cells *cells);
 extern pbw_status pbw_cuda_cells_of_host(int dim, const double *points, const double *weights, size_t count,
-                                         const double *box, unsigned what, const pbw_options *options,
-                                         pbw_triangulator *cpu, pbw_cuda_cells *cells);
-extern pbw_status pbw_cuda_cells_periodic(const pbw_cuda_points *points, const double *box, unsigned what,
-                                          const pbw_options *options, void *stream, pbw_triangulator *cpu,
-                                          pbw_cuda_cells *cells);
+                                         const double *box, unsigned axes, unsigned what,
+                                         const pbw_options *options, pbw_triangulator *cpu, pbw_cuda_cells *cells);
+extern pbw_status pbw_cuda_cells_periodic(const pbw_cuda_points *points, const double *box, unsigned axes,
+                                          unsigned what, const pbw_options *options, void *stream,
+                                          pbw_triangulator *cpu, pbw_cuda_cells *cells);
 extern void pbw_cuda_cells_free(pbw_cuda_cells *cells, void *stream);
 extern pbw_status pbw_cuda_loop_cells(pbw_cuda_loop *loop, const pbw_cuda_points *points, const double *box,
                                       unsigned what, pbw_cuda_cells *cells);

@@ -4797,7 +4797,7 @@ bool keep_last(call &c, const input &in, const space &s, uint32_t *id)
    Holds: these rooms compute what pbw_cells.h computes, by the same expressions in the same order: the same bytes.
    So no product may be fused into a sum, which `real` prevents.
 
-   Formulas and their derivation are in >>centres and >>shares of pbw_cells.h.
+   Formulas and their derivation are in >>centres and >>totals of pbw_cells.h.
      1. A thread a simplex computes its centre, and what it adds to the cells of its corners.
      2. Pairs (vertex, 4 simplex + corner) are sorted: the simplices at each vertex, ascending.
      3. Four lanes a vertex add up x, y, z and the volume, in that order, with a sum for each chunk of 16384.
@@ -4846,13 +4846,25 @@ struct alignas(16) sums {                            /* of a cell: moments * 24 
     real at[4];
 };
 
-/* A diagram in a box, or in the whole space: then nothing is bounded, and low and high are infinite. */
+/* The padded box of points that repeat, which has all their copies: none is missing if it holds the balls of all
+   cells (>>periodic of pbw_cells.h). */
+struct padded_box {
+    unsigned axes;                                   /* along which they repeat */
+    double size[3], margin[3], heaviest, slack;      /* heaviest: weight; slack: for rounding */
+    uint32_t *good;                                  /* to be cleared if it does not hold a ball */
+    unsigned char *is_cut;                           /* per point: did walls cut its cell?  NULL: there are none */
+};
+
+/* A diagram in a box, or in the whole space: then nothing is bounded, and low and high are infinite.  So they are
+   along axes that repeat, where a cell is in a box around its site: from and to are relative to that. */
 struct diagram {
     const uint32_t *simplices, *neighbors, *incident;
     const double *points, *weights;                  /* weights: NULL = none */
     uint32_t simplex_count, count;                   /* count: cells, of the first points */
     bool bounded;
     double low[3], high[3], slack[3], extent[3];     /* slack: for the rounding of the box */
+    double from[3], to[3];
+    padded_box padded;
     double *volumes, *centroids;
 };
 
@@ -4871,6 +4883,36 @@ template <int DIM> DEVICE bool is_inside(const diagram &d, const double *a, cons
         inside = inside && at - d.low[k] > slack && real(d.high[k]) - at > slack;
     }
     return inside;
+}
+
+/* A corner of the box from v. */
+template <int DIM> DEVICE real box_corner(const diagram &d, uint32_t v, int k, bool high)
+{
+    const bool repeats = (d.padded.axes >> k & 1) != 0;
+    return real(high ? d.to[k] : d.from[k]) - (repeats ? 0.0 : d.points[(size_t)v * DIM + (size_t)k]);
+}
+
+/* Tells if the padded box does not hold a ball.  square: of its radius. */
+template <int DIM> DEVICE void hold_ball(const padded_box &p, const real *x, real square)
+{
+    const double radius = sqrt(square > 0.0 ? square.value : 0.0) * (1 + 1e-9) + p.slack;
+    for (int k = 0; k < DIM; k++) {
+        if ((p.axes >> k & 1) != 0
+            && !(x[k].value - radius > -p.margin[k] && x[k].value + radius < p.size[k] + p.margin[k])) {
+            *p.good = 0;
+        }
+    }
+}
+
+/* The ball at a corner of the cell of v, which the walls have cut; x: from v. */
+template <int DIM> DEVICE void hold_corner(const diagram &d, uint32_t v, const real *x)
+{
+    real at[DIM], square = d.weights != NULL ? real(d.padded.heaviest) - d.weights[v] : real(0.0);
+    for (int k = 0; k < DIM; k++) {
+        square += x[k] * x[k];
+        at[k] = x[k] + d.points[(size_t)v * DIM + (size_t)k];
+    }
+    hold_ball<DIM>(d.padded, at, square);
 }
 
 /* The centre of a simplex by pairs of doubles; returns whether it is good. */
@@ -5862,7 +5904,7 @@ DEVICE bool cut_box(const diagram &d, cell_room<INDEX> &r, uint32_t v, uint32_t 
     n = { 8, 6, 24 };
     warp_each(8, [&](uint32_t i) {
         for (uint32_t k = 0; k < 3; k++) {
-            r.x[3 * i + k] = real((i >> k & 1) != 0 ? d.high[k] : d.low[k]) - d.points[3 * (size_t)v + k];
+            r.x[3 * i + k] = box_corner<3>(d, v, (int)k, (i >> k & 1) != 0);
         }
     });
     warp_each(24, [&](uint32_t i) {
@@ -5995,6 +6037,10 @@ DEVICE bool cut_cell(const diagram &d, cell_room<INDEX> &r, const facet_lists &l
     }
     sum_polytope(r, n, sum);
     warp_once([&]() { set_cell<3>(d, v, sum); });
+    if (d.padded.is_cut != NULL) {
+        d.padded.is_cut[v] = 1;
+        warp_each(n.entries, [&](uint32_t e) { hold_corner<3>(d, v, r.x + 3 * (size_t)r.now.corner[e]); });
+    }
     if (lists.first != NULL) {                       /* of no volume: the box at most touches the cell */
         take_facets(r, lists, v, sum[3] > 0.0 ? n.facets : 0);
     }
@@ -6428,7 +6474,6 @@ DEVICE bool cut_by_box(const diagram &d, polygon &p, uint32_t v)
 /* The box, cut by the planes between v and all links. */
 DEVICE bool cut_box(const diagram &d, polygon &p, uint32_t v)
 {
-    const double *site = d.points + 2 * (size_t)v;
     uint32_t links = 0;
     bool fits = true;
     auto cut = [&](uint32_t link) {
@@ -6445,8 +6490,7 @@ DEVICE bool cut_box(const diagram &d, polygon &p, uint32_t v)
         links = 0;
         for (int i = 0; i < 4; i++) {                /* their numbers are in binary order: exchanged below */
             const bool right = i == 1 || i == 3, top = i > 1;
-            add_corner(p, real(right ? d.high[0] : d.low[0]) - site[0], real(top ? d.high[1] : d.low[1]) - site[1],
-                       none - 1 - wall[i]);
+            add_corner(p, box_corner<2>(d, v, 0, right), box_corner<2>(d, v, 1, top), none - 1 - wall[i]);
         }
         p.loop[2] = 3;
         p.loop[3] = 2;
@@ -6479,6 +6523,9 @@ DEVICE bool cut_plane_cell(const diagram &d, const facet_lists &lists, uint32_t 
     if (!(open || far || flags == 0 ? cut_box(d, p, v) : cut_by_box(d, p, v))) {
         return false;
     }
+    if (d.padded.is_cut != NULL) {
+        d.padded.is_cut[v] = 1;
+    }
     facet_writer out(lists, v);
     for (uint32_t i = 0; i < p.length; i++) {
         const real *a = p.x + 2 * p.loop[i], *b = p.x + 2 * p.loop[i + 1 < p.length ? i + 1 : 0];
@@ -6486,6 +6533,9 @@ DEVICE bool cut_plane_cell(const diagram &d, const facet_lists &lists, uint32_t 
         sum[3] += w;
         sum[0] += w * (a[0] + b[0]);
         sum[1] += w * (a[1] + b[1]);
+        if (d.padded.is_cut != NULL) {
+            hold_corner<2>(d, v, a);
+        }
         if (lists.first != NULL) {
             out.take(p.name[i], root_of((b[0] - a[0]) * (b[0] - a[0]) + (b[1] - a[1]) * (b[1] - a[1])));
         }
@@ -7363,11 +7413,13 @@ void plane_cells(call &c, const diagram &d, facet_lists &lists)
 
 const char too_uneven[] = "few or uneven points need too many copies: pbw_cells_periodic makes their cells";
 
-/* A box that repeats along all axes; points are in units, from 0 to the size, and so are their copies. */
+/* A box that repeats along some axes; there points are in units, from 0 to the size, and so are their copies. */
 struct period {
     int dim;
+    unsigned axes;
     size_t count, total;                             /* points; with copies */
-    double low[3], size[3], unit[3], margin[3];      /* margin: of the padded box, in which copies are */
+    double low[3], size[3], unit[3], margin[3];      /* low: 0 along others; margin: of the padded box */
+    double from[3], to[3], extent[3];                /* as in the diagram; of the points and the box */
     double heaviest, lightest;
     uint32_t *source;                                /* of each copy */
     bool *missing;                                   /* to be set if copies are missing */
@@ -7403,14 +7455,19 @@ bool is_sound(const cells_request &q)
 diagram diagram_of(const cells_request &q)
 {
     const int dim = q.points->dim;
+    const period *const p = q.repeats;
     diagram d = {};
-    d.bounded = q.box != NULL || q.repeats != NULL;
-    d.count = (uint32_t)(q.repeats != NULL ? q.repeats->count : q.points->count);
+    d.bounded = q.box != NULL || p != NULL;
+    d.count = (uint32_t)(p != NULL ? p->count : q.points->count);
+    d.padded.axes = p != NULL ? p->axes : 0;
     for (int k = 0; k < 3; k++) {
-        d.low[k] = q.box != NULL && k < dim ? q.box[k] : -HUGE_VAL;
-        d.high[k] = q.box != NULL && k < dim ? q.box[dim + k] : HUGE_VAL;
-        d.extent[k] = d.high[k] - d.low[k];
-        d.slack[k] = q.box != NULL && k < dim ? 1e-14 * (fabs(d.low[k]) + fabs(d.high[k])) : 0.0;
+        const bool is_there = d.bounded && k < dim, is_wall = is_there && (d.padded.axes >> k & 1) == 0;
+        d.from[k] = is_there ? p != NULL ? p->from[k] : q.box[k] : -HUGE_VAL;
+        d.to[k] = is_there ? p != NULL ? p->to[k] : q.box[dim + k] : HUGE_VAL;
+        d.low[k] = is_wall ? d.from[k] : -HUGE_VAL;
+        d.high[k] = is_wall ? d.to[k] : HUGE_VAL;
+        d.extent[k] = d.to[k] - d.from[k];
+        d.slack[k] = is_wall ? 1e-14 * (fabs(d.low[k]) + fabs(d.high[k])) : 0.0;
     }
     return d;
 }
@@ -7486,9 +7543,9 @@ void span(call &c, const cells_request &q, diagram &d, pbw_options options)
     d.simplex_count = (uint32_t)made.simplex_count;
 }
 
-/* Clears *good unless all balls of cells of the first points are in the padded box, and these cells are closed: then
-   no copy is missing (>>periodic of pbw_cells.h).  slack: more than that of the CPU, which then adds no copies. */
-template <int DIM> __global__ void certify_kernel(const diagram d, const period p, double slack, uint32_t *good)
+/* Tells if the padded box does not hold the balls of simplices at cells that are not cut.  Where no walls are, these
+   must be closed. */
+template <int DIM> __global__ void certify_kernel(const diagram d)
 {
     const size_t simplex = thread_number();
     if (simplex >= d.simplex_count) {
@@ -7496,42 +7553,52 @@ template <int DIM> __global__ void certify_kernel(const diagram d, const period 
     }
     const uint32_t *corner = d.simplices + simplex * (DIM + 1), *next = d.neighbors + simplex * (DIM + 1);
     const double *a = d.points + (size_t)corner[0] * DIM;
+    const unsigned char *is_cut = d.padded.is_cut;
     real centre[3];
     bool read = false, fits = true;
     for (int i = 0; i <= DIM; i++) {
-        read = read || corner[i] < d.count;
-        fits = fits && next[i] != none;
+        read = read || (corner[i] < d.count && (is_cut == NULL || is_cut[corner[i]] == 0));
+        fits = fits && (is_cut != NULL || next[i] != none);
     }
     if (read) {
         fits = fits && (centre_of<DIM>(d, (uint32_t)simplex, centre) & good_centre) != 0;
-        real square = d.weights != NULL ? real(p.heaviest) - d.weights[corner[0]] : real(0.0);
+        real square = d.weights != NULL ? real(d.padded.heaviest) - d.weights[corner[0]] : real(0.0);
         for (int k = 0; k < DIM; k++) {
             square += centre[k] * centre[k];
+            centre[k] += a[k];
         }
-        const double radius = sqrt(square > 0.0 ? square.value : 0.0) * (1 + 1e-9) + slack;
-        for (int k = 0; k < DIM; k++) {
-            const double at = (centre[k] + a[k]).value;
-            fits = fits && at - radius > -p.margin[k] && at + radius < p.size[k] + p.margin[k];
-        }
+        hold_ball<DIM>(d.padded, centre, square);
         if (!fits) {
-            *good = 0;
+            *d.padded.good = 0;
         }
+    }
+}
+
+/* The padded box of a diagram; slack: more than that of the CPU, which then adds no copies. */
+void pad(call &c, diagram &d, const period &p, uint32_t *good, unsigned char *is_cut)
+{
+    double slack = sqrt(p.heaviest - p.lightest);
+    for (int k = 0; k < p.dim; k++) {
+        d.padded.size[k] = p.size[k];
+        d.padded.margin[k] = p.margin[k];
+        slack += p.extent[k];
+    }
+    d.padded.heaviest = p.heaviest;
+    d.padded.slack = 1e-11 * slack;
+    d.padded.good = good;
+    d.padded.is_cut = is_cut;
+    fill(c, good, d.simplex_count > 0 ? 1 : 0, 1);
+    if (is_cut != NULL) {
+        fill(c, is_cut, 0, p.count);
     }
 }
 
 void certify(call &c, const diagram &d, const period &p)
 {
-    buffer<uint32_t> good(c, 1);
-    double slack = sqrt(p.heaviest - p.lightest);
-    for (int k = 0; k < p.dim; k++) {
-        slack += p.size[k];
-    }
-    fill(c, good.at, d.simplex_count > 0 ? 1 : 0, 1);
     if (d.simplex_count > 0) {
-        launch(c, "copies", p.dim == 3 ? certify_kernel<3> : certify_kernel<2>, over(d.simplex_count, 128), d, p,
-               1e-11 * slack, good.at);
+        launch(c, "copies", p.dim == 3 ? certify_kernel<3> : certify_kernel<2>, over(d.simplex_count, 128), d);
     }
-    *p.missing = read_back(c, good.at, PBW_STAGE_WORK, 0.1) == 0;
+    *p.missing = read_back(c, d.padded.good, PBW_STAGE_WORK, 0.1) == 0;
     require(c, !*p.missing, PBW_ERROR_BACKEND, too_uneven);
 }
 
@@ -7541,11 +7608,16 @@ __global__ void unwrap_facets_kernel(const diagram d, const period p, size_t fac
 {
     const size_t i = thread_number(), dim = (size_t)p.dim;
     if (i < facets) {
-        const uint32_t copy = neighbor[i], point = copy < p.count ? copy : p.source[copy - p.count];
+        const uint32_t copy = neighbor[i];
+        const bool is_copy = copy >= p.count && copy < p.total;              /* else a point, or a wall */
+        const uint32_t point = is_copy ? p.source[copy - p.count] : copy;
         neighbor[i] = point;
         for (size_t k = 0; k < dim; k++) {
-            const real from = d.points[(size_t)point * dim + k];
-            shift[i * dim + k] = (signed char)((real(d.points[(size_t)copy * dim + k]) - from) / p.size[k]).value;
+            real by = 0.0;
+            if (is_copy && (p.axes >> k & 1) != 0) {
+                by = (real(d.points[(size_t)copy * dim + k]) - d.points[(size_t)point * dim + k]) / p.size[k];
+            }
+            shift[i * dim + k] = (signed char)by.value;
         }
     }
 }
@@ -7580,7 +7652,9 @@ pbw_status make_cells(call &c, const cells_request &q, const pbw_options &option
     pbw_cuda_cells &cells = *q.cells;
     facet_lists lists = {};
     diagram d = diagram_of(q);
-    const bool spans = q.mesh->simplex_count > 0;
+    const bool spans = q.mesh->simplex_count > 0, has_walls = q.repeats != NULL && q.repeats->axes + 1 != 1u << dim;
+    buffer<uint32_t> good(c);
+    buffer<unsigned char> is_cut(c);
     record_mark(c, 0);
     c.count = p.count;
     cells.dim = p.dim;
@@ -7597,8 +7671,15 @@ pbw_status make_cells(call &c, const cells_request &q, const pbw_options &option
     d.incident = spans ? q.mesh->incident : NULL;
     d.simplex_count = (uint32_t)q.mesh->simplex_count;
     if (q.repeats != NULL) {
-        certify(c, d, *q.repeats);
-    } else if (!spans && d.bounded && p.count > 0) {
+        good.make(1);
+        if (has_walls) {
+            is_cut.make(d.count);
+        }
+        pad(c, d, *q.repeats, good.at, is_cut.at);
+    }
+    if (q.repeats != NULL && !(spans && has_walls)) {
+        certify(c, d, *q.repeats);                   /* before the cells, which can wait for copies */
+    } else if (q.repeats == NULL && !spans && d.bounded && p.count > 0) {
         decline_unless(c, q.cpu != NULL, "points that span no simplex need the CPU");
         span(c, q, d, options);
     }
@@ -7617,6 +7698,9 @@ pbw_status make_cells(call &c, const cells_request &q, const pbw_options &option
     cells.facet_count = lists.all;
     cells.neighbors = lists.neighbor;
     cells.areas = lists.area;
+    if (has_walls) {                                 /* now that it is known which cells they cut */
+        certify(c, d, *q.repeats);
+    }
     if (q.repeats != NULL) {
         unwrap(c, d, *q.repeats, cells);
     }
@@ -7738,12 +7822,14 @@ pbw_status fetch_cells(const pbw_cuda_cells &made, const pbw_options &options, c
     cells->first = (size_t *)to[2];
     cells->areas = (double *)to[3];
     cells->neighbors = (pbw_index *)to[4];
+    cells->sites = (double *)to[5];
+    cells->shifts = (signed char *)to[6];
     cells->memory = block;
     return PBW_OK;
 }
 
-/* Copies points to the device and makes their mesh and cells there. */
-pbw_status cells_of_points(const pbw_cuda_points &host, const cells_request &q, pbw_options options,
+/* Copies points to the device and makes their mesh and cells there.  axes: those along which the box repeats. */
+pbw_status cells_of_points(const pbw_cuda_points &host, unsigned axes, const cells_request &q, pbw_options options,
                            cudaStream_t stream)
 {
     const size_t numbers = host.count * (size_t)host.dim, all = numbers + (host.weights != NULL ? host.count : 0);
@@ -7759,10 +7845,11 @@ pbw_status cells_of_points(const pbw_cuda_points &host, const cells_request &q, 
     if (cudaMemcpyAsync(points, host.points, numbers * sizeof *points, cudaMemcpyHostToDevice, stream) == cudaSuccess
         && (host.weights == NULL || cudaMemcpyAsync(points + numbers, host.weights, host.count * sizeof *points,
                                                     cudaMemcpyHostToDevice, stream) == cudaSuccess)) {
-        status = pbw_cuda_triangulate(host.dim, 0, there.points, there.weights, host.count, &options, stream, q.cpu,
+        status = axes != 0 ? pbw_cuda_cells_periodic(&there, q.box, axes, q.what, &options, stream, q.cpu, q.cells)
+               : pbw_cuda_triangulate(host.dim, 0, there.points, there.weights, host.count, &options, stream, q.cpu,
                                       &mesh);
         options.flags = 0;
-        if (status == PBW_OK || status == PBW_DEGENERATE) {
+        if (axes == 0 && (status == PBW_OK || status == PBW_DEGENERATE)) {
             status = run_cells({ &mesh, &there, q.box, q.what, q.cpu, q.cells, NULL }, &options, stream, NULL);
         }
     }
@@ -7781,8 +7868,9 @@ void say(const pbw_options &options, const char *text)
 } /* namespace */
 
 extern "C" pbw_status pbw_cuda_cells_of_host(int dim, const double *points, const double *weights, size_t count,
-                                             const double *box, unsigned what, const pbw_options *given_options,
-                                             pbw_triangulator *cpu, pbw_cuda_cells *cells)
+                                             const double *box, unsigned axes, unsigned what,
+                                             const pbw_options *given_options, pbw_triangulator *cpu,
+                                             pbw_cuda_cells *cells)
 {
     const pbw_cuda_points host = { dim, 0, points, weights, count, 0 };
     const pbw_cuda_mesh no_mesh = {};
@@ -7799,7 +7887,7 @@ extern "C" pbw_status pbw_cuda_cells_of_host(int dim, const double *points, cons
     say(options, "");
     pbw_status status = PBW_ERROR_BACKEND;
     if (cudaStreamCreateWithFlags(&stream, cudaStreamNonBlocking) == cudaSuccess) {
-        status = cells_of_points(host, q, options, stream);
+        status = cells_of_points(host, axes, q, options, stream);
         if (status == PBW_OK || status == PBW_DEGENERATE) {
             const pbw_status fetched = fetch_cells(made, options, stream, cells);
             status = fetched != PBW_OK ? fetched : status;
@@ -7862,13 +7950,14 @@ namespace {
    bytes are the same; else more copies are made here, twice as far.
    ------------------------------------------------------------------------------------------------------ */
 /* As >>units of pbw_cells.h, but for margins: of so many spacings.  Returns false for a box that it refuses. */
-bool set_sizes(const double *box, int dim, size_t count, double spacings, period &p)
+bool set_sizes(const double *box, int dim, unsigned axes, size_t count, double spacings, period &p)
 {
     double longest = 0, volume = 1;
     p.dim = dim;
+    p.axes = axes;
     p.count = count;
     for (int k = 0; k < dim; k++) {
-        p.low[k] = box[k];
+        p.low[k] = (axes >> k & 1) != 0 ? box[k] : 0.0;
         p.size[k] = box[dim + k] - box[k];
         if (!(p.size[k] > 1e-150) || !(p.size[k] < 1e150)) {
             return false;
@@ -7887,6 +7976,8 @@ bool set_sizes(const double *box, int dim, size_t count, double spacings, period
         p.unit[k] = ldexp(1, exponent + 3);
         p.size[k] = floor(p.size[k] / p.unit[k] + 0.5) * p.unit[k];
         p.margin[k] = spacings * spacing < p.size[k] ? spacings * spacing : p.size[k];
+        p.from[k] = (axes >> k & 1) != 0 ? -0.75 * p.size[k] : box[k];
+        p.to[k] = (axes >> k & 1) != 0 ? -p.from[k] : box[dim + k];
     }
     return true;
 }
@@ -7894,8 +7985,17 @@ bool set_sizes(const double *box, int dim, size_t count, double spacings, period
 /* What a scan of the points tells. */
 struct scanned {
     unsigned long long heaviest, below_lightest;     /* weights, ordered; all bits of the lightest turned */
+    unsigned long long high[3], below_low[3];        /* coordinates, likewise, along axes with walls */
     uint32_t infinite;                               /* is a number not finite? */
 };
+
+/* Raises a number; mostly it is high enough. */
+DEVICE void raise_to(unsigned long long *at, unsigned long long value)
+{
+    if (*(volatile unsigned long long *)at < value) {
+        atomicMax(at, value);
+    }
+}
 
 __global__ void snap_kernel(const double *points, const double *weights, const period p, double *x, scanned *out)
 {
@@ -7905,15 +8005,22 @@ __global__ void snap_kernel(const double *points, const double *weights, const p
         return;
     }
     for (size_t k = 0; k < dim; k++) {
-        const real given = points[i * dim + k], steps = (given - p.low[k]) / p.unit[k] + 0.5;
-        const double moved = fmod((real(floor(steps.value)) * p.unit[k]).value, p.size[k]);
+        const real given = real(points[i * dim + k]) + 0.0;
         finite = finite && fabs(given.value) < HUGE_VAL;
-        x[i * dim + k] = (real(moved) + (moved < 0.0 ? p.size[k] : 0.0)).value;
+        if ((p.axes >> k & 1) != 0) {
+            const real steps = (given - p.low[k]) / p.unit[k] + 0.5;
+            const double moved = fmod((real(floor(steps.value)) * p.unit[k]).value, p.size[k]);
+            x[i * dim + k] = (real(moved) + (moved < 0.0 ? p.size[k] : 0.0)).value;
+        } else {
+            x[i * dim + k] = given.value;
+            raise_to(&out->high[k], ordered(given.value));
+            raise_to(&out->below_low[k], ~ordered(given.value));
+        }
     }
     if (weights != NULL) {
         finite = finite && fabs(weights[i]) < HUGE_VAL;
-        atomicMax(&out->heaviest, ordered(weights[i]));
-        atomicMax(&out->below_lightest, ~ordered(weights[i]));
+        raise_to(&out->heaviest, ordered(weights[i]));
+        raise_to(&out->below_lightest, ~ordered(weights[i]));
     }
     if (!finite) {
         out->infinite = 1;
@@ -7925,6 +8032,9 @@ template <typename F> DEVICE void visit_copies(const period &p, const double *x,
 {
     int first[3] = { 0, 0, 0 }, last[3] = { 0, 0, 0 }, shift[3];
     for (int k = 0; k < p.dim; k++) {
+        if ((p.axes >> k & 1) == 0) {
+            continue;
+        }
         first[k] = (int)ceil(((real(-p.margin[k]) - x[k]) / p.size[k]).value);
         last[k] = (int)floor(((real(p.size[k]) + p.margin[k] - x[k]) / p.size[k]).value);
     }
@@ -7935,8 +8045,8 @@ template <typename F> DEVICE void visit_copies(const period &p, const double *x,
                 double copy[3];
                 for (int k = 0; k < p.dim; k++) {
                     copy[k] = (real(x[k]) + real((double)shift[k]) * p.size[k]).value;
-                    inside = inside && copy[k] >= -p.margin[k]
-                          && copy[k] <= (real(p.size[k]) + p.margin[k]).value;
+                    inside = inside && ((p.axes >> k & 1) == 0 || (copy[k] >= -p.margin[k]
+                          && copy[k] <= (real(p.size[k]) + p.margin[k]).value));
                 }
                 if (inside) {
                     f(copy);
@@ -7989,11 +8099,16 @@ void judge_points(call &c, const scanned *on_device, bool weighted, period &p)
     p.lightest = weighted ? unordered(~found.below_lightest) : 0.0;
     double square = p.heaviest - p.lightest;
     for (int k = 0; k < p.dim; k++) {
-        square += 0.5625 * p.size[k] * p.size[k];
+        const bool repeats = (p.axes >> k & 1) != 0;
+        const double low = repeats ? 0.0 : std::min(p.from[k], unordered(~found.below_low[k]));
+        const double high = repeats ? p.size[k] : std::max(p.to[k], unordered(found.high[k]));
+        const double half = (high - low) * (repeats ? 0.75 : 1);
+        p.extent[k] = high - low;
+        square += half * half;
     }
     for (int k = 0; k < p.dim; k++) {                /* copies must be exact, also those that are not needed */
-        require(c, 1.75 * p.size[k] + 1.002 * sqrt(square) < 4e15 * p.unit[k], PBW_ERROR_ARGUMENT,
-                "weights differ too much for a periodic box");
+        const bool exact = 1.75 * p.size[k] + 1.002 * sqrt(square) < 4e15 * p.unit[k];
+        require(c, exact || (p.axes >> k & 1) == 0, PBW_ERROR_ARGUMENT, "weights differ too much for a periodic box");
     }
 }
 
@@ -8064,8 +8179,8 @@ pbw_status make_periodic(const pbw_cuda_points &points, unsigned what, const pbw
 
 } /* namespace */
 
-extern "C" pbw_status pbw_cuda_cells_periodic(const pbw_cuda_points *points, const double *box, unsigned what,
-                                              const pbw_options *given_options, void *stream,
+extern "C" pbw_status pbw_cuda_cells_periodic(const pbw_cuda_points *points, const double *box, unsigned axes,
+                                              unsigned what, const pbw_options *given_options, void *stream,
                                               pbw_triangulator *cpu, pbw_cuda_cells *cells)
 {
     const pbw_cuda_mesh no_mesh = {};
@@ -8077,7 +8192,8 @@ extern "C" pbw_status pbw_cuda_cells_periodic(const pbw_cuda_points *points, con
         memset(cells, 0, sizeof *cells);
     }
     if (!is_sound({ &no_mesh, points, box, what, cpu, cells, NULL }) || box == NULL || points->count == 0
-        || points->count >= PBW_NONE / 2 || !take_options(r.options, given_options)) {
+        || axes == 0 || axes >> points->dim != 0 || points->count >= PBW_NONE / 2
+        || !take_options(r.options, given_options)) {
         return PBW_ERROR_ARGUMENT;
     }
     r.in.dim = points->dim;
@@ -8087,7 +8203,7 @@ extern "C" pbw_status pbw_cuda_cells_periodic(const pbw_cuda_points *points, con
         period p = {};
         p.missing = &missing;
         missing = false;
-        if (!set_sizes(box, points->dim, points->count, spacings, p)) {
+        if (!set_sizes(box, points->dim, axes, points->count, spacings, p)) {
             return PBW_ERROR_ARGUMENT;
         }
         status = make_periodic(*points, what, given_options, r, p, cells);

@@ -151,7 +151,8 @@ static void periodic_row(bench *b, diagram *d)
     int run;
     for (run = 0; run < b->runs && status == PBW_OK; run++) {
         start = seconds();
-        status = pbw_cuda_cells_periodic(&d->there, d->box, 0, &d->options, NULL, pbw_triangulate, &cells);
+        status = pbw_cuda_cells_periodic(&d->there, d->box, (1u << d->dim) - 1, 0, &d->options, NULL,
+                                         pbw_triangulate, &cells);
         times[run] = seconds() - start;
         pbw_cuda_cells_free(&cells, NULL);
     }

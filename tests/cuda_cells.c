@@ -88,7 +88,7 @@ static void compare_host(const pbw_mesh *mesh, const double *box)
     memset(&none, 0, sizeof none);
     domain.box = box;
     expected = pbw_cells_of(mesh, &domain, PBW_CELLS_FACETS, NULL, &cpu);
-    CHECK_EQUAL(pbw_cuda_cells_of_host(mesh->dim, mesh->points, mesh->weights, mesh->point_count, box,
+    CHECK_EQUAL(pbw_cuda_cells_of_host(mesh->dim, mesh->points, mesh->weights, mesh->point_count, box, 0,
                                        PBW_CUDA_FACETS, NULL, pbw_triangulate, &gpu), expected);
     if (expected == PBW_OK || expected == PBW_DEGENERATE) {
         same_cells(&cpu, &gpu, is_in_range(mesh->points, mesh->point_count * (size_t)mesh->dim));
@@ -305,7 +305,7 @@ static void test_host_failures(int dim, const double *points)
     options.message_size = sizeof message;
     for (i = 1; i < 40 && status != PBW_OK; i++) {
         host_fail_at = i;
-        status = pbw_cuda_cells_of_host(dim, points, NULL, 300, NULL, 0, &options, pbw_triangulate, &cells);
+        status = pbw_cuda_cells_of_host(dim, points, NULL, 300, NULL, 0, 0, &options, pbw_triangulate, &cells);
         CHECK(status == PBW_OK || (status == PBW_ERROR_MEMORY && cells.volumes == NULL));
         CHECK_EQUAL(host_blocks, status == PBW_OK ? 1 : 0);
     }
@@ -314,12 +314,14 @@ static void test_host_failures(int dim, const double *points)
     CHECK_EQUAL(host_blocks, 0);
     host_fail_at = 0;
     options.flags = PBW_NO_NEIGHBORS;
-    CHECK_EQUAL(pbw_cuda_cells_of_host(dim, points, NULL, 300, NULL, 0, &options, NULL, &cells), PBW_ERROR_ARGUMENT);
-    CHECK_EQUAL(pbw_cuda_cells_of_host(4, points, NULL, 300, NULL, 0, NULL, NULL, &cells), PBW_ERROR_ARGUMENT);
-    CHECK_EQUAL(pbw_cuda_cells_of_host(dim, NULL, NULL, 300, NULL, 0, NULL, NULL, &cells), PBW_ERROR_ARGUMENT);
+    CHECK_EQUAL(pbw_cuda_cells_of_host(dim, points, NULL, 300, NULL, 0, 0, &options, NULL, &cells),
+                PBW_ERROR_ARGUMENT);
+    CHECK_EQUAL(pbw_cuda_cells_of_host(4, points, NULL, 300, NULL, 0, 0, NULL, NULL, &cells), PBW_ERROR_ARGUMENT);
+    CHECK_EQUAL(pbw_cuda_cells_of_host(dim, NULL, NULL, 300, NULL, 0, 0, NULL, NULL, &cells), PBW_ERROR_ARGUMENT);
     options.flags = 0;
     options.memory_limit = 5000;
-    CHECK_EQUAL(pbw_cuda_cells_of_host(dim, points, NULL, 300, NULL, 0, &options, NULL, &cells), PBW_ERROR_BACKEND);
+    CHECK_EQUAL(pbw_cuda_cells_of_host(dim, points, NULL, 300, NULL, 0, 0, &options, NULL, &cells),
+                PBW_ERROR_BACKEND);
     CHECK(message[0] != 0);
     CHECK_EQUAL(host_blocks, 0);
 }
@@ -443,7 +445,7 @@ static void near_cells(const pbw_cells *cpu, const pbw_cuda_cells *gpu, double w
 /* Points in a periodic box: the bytes of the CPU, or with is_near its cells up to rounding; or a status that says why
    there are none. */
 static void compare_periodic(int dim, const double *points, const double *weights, size_t count, const double *box,
-                             pbw_status expected, int is_near)
+                             unsigned axes, pbw_status expected, int is_near)
 {
     pbw_domain domain;
     pbw_cells cpu;
@@ -458,13 +460,14 @@ static void compare_periodic(int dim, const double *points, const double *weight
     options.message = message;
     options.message_size = sizeof message;
     domain.box = box;
-    domain.periodic = (1u << dim) - 1;
+    domain.periodic = axes;
     there.dim = dim;
     there.count = count;
     there.points = to_device(points, count * (size_t)dim * sizeof(double));
     there.weights = weights == NULL ? NULL : to_device(weights, count * sizeof(double));
     for (facets = 0; facets < 2; facets++) {
-        const pbw_status status = pbw_cuda_cells_periodic(&there, box, facets, &options, NULL, pbw_triangulate, &gpu);
+        const pbw_status status = pbw_cuda_cells_periodic(&there, box, axes, facets, &options, NULL,
+                                                          pbw_triangulate, &gpu);
         if (CHECK_EQUAL(status, expected) && status == PBW_OK) {
             CHECK_EQUAL(pbw_cells_periodic(dim, points, weights, count, &domain, facets, NULL, &cpu), PBW_OK);
             if (is_near) {
@@ -494,6 +497,7 @@ static void test_periodic(size_t count)
     int dim, b;
     size_t i, k;
     for (dim = 2; dim <= 3; dim++) {
+        const unsigned all = (1u << dim) - 1;
         for (b = 0; b < 2; b++) {
             if (test_begin("cells: %dD periodic box %d", dim, b)) {
                 double box[6];
@@ -506,18 +510,72 @@ static void test_periodic(size_t count)
                         points[i * (size_t)dim + k] *= 3 * (box[(size_t)dim + k] - box[k]);
                     }
                 }
-                compare_periodic(dim, points, NULL, count, box, PBW_OK, dim == 2);
-                compare_periodic(dim, points, weights, count, box, PBW_OK, dim == 2);
+                compare_periodic(dim, points, NULL, count, box, all, PBW_OK, dim == 2);
+                compare_periodic(dim, points, weights, count, box, all, PBW_OK, dim == 2);
                 memcpy(points + 5 * dim, points, (size_t)dim * sizeof *points);  /* a duplicate */
-                compare_periodic(dim, points, NULL, count, box, PBW_OK, dim == 2);
-                compare_periodic(dim, box, NULL, 1, box, PBW_ERROR_BACKEND, 0);          /* one in a corner */
-                compare_periodic(dim, points, NULL, 0, box, PBW_ERROR_ARGUMENT, 0);
+                compare_periodic(dim, points, NULL, count, box, all, PBW_OK, dim == 2);
+                compare_periodic(dim, box, NULL, 1, box, all, PBW_ERROR_BACKEND, 0);          /* one in a corner */
+                compare_periodic(dim, points, NULL, 0, box, all, PBW_ERROR_ARGUMENT, 0);
                 for (i = 0; i < count * (size_t)dim; i += (size_t)dim) {        /* a gap */
                     points[i] = box[0] + 0.9 * (points[i] - box[0] - floor(points[i] - box[0]));
                 }
-                compare_periodic(dim, points, NULL, count, box, PBW_OK, 1);
+                compare_periodic(dim, points, NULL, count, box, all, PBW_OK, 1);
                 points[7] = HUGE_VAL;
-                compare_periodic(dim, points, NULL, count, box, PBW_ERROR_NOT_FINITE, 0);
+                compare_periodic(dim, points, NULL, count, box, all, PBW_ERROR_NOT_FINITE, 0);
+                test_end();
+            }
+        }
+    }
+    free(points);
+    free(weights);
+}
+
+/* Boxes that repeat along some axes and have walls along the others; points reach 2 % beyond the walls.  From the
+   host the same cells come. */
+static void test_walls(size_t count)
+{
+    static const double box[6] = { -0.3, 0.7, 5, 0.7, 1.6, 6.3 };
+    double *points = (double *)zoo_grow(NULL, count * 3 * sizeof *points);
+    double *weights = (double *)zoo_grow(NULL, count * sizeof *weights);
+    unsigned axes;
+    int dim;
+    for (dim = 2; dim <= 3; dim++) {
+        for (axes = 1; axes + 1 < 1u << dim; axes++) {
+            if (test_begin("cells: %dD periodic along axes %u", dim, axes)) {
+                double own[6];
+                pbw_cuda_cells made;
+                pbw_domain domain;
+                pbw_cells cpu;
+                size_t i, k;
+                memcpy(own, box, sizeof own);
+                memcpy(own + dim, box + 3, (size_t)dim * sizeof *own);
+                input_fill(INPUT_UNIFORM, dim, count, (uint64_t)test_seed, points);
+                for (i = 0; i < count; i++) {
+                    weights[i] = 1e-5 * (double)(i % 7);
+                    for (k = 0; k < (size_t)dim; k++) {
+                        const double size = own[(size_t)dim + k] - own[k], at = points[i * (size_t)dim + k];
+                        points[i * (size_t)dim + k] = (axes >> k & 1) != 0 ? 3 * size * at
+                                                                           : own[k] + size * (1.04 * at - 0.02);
+                    }
+                }
+                compare_periodic(dim, points, NULL, count, own, axes, PBW_OK, dim == 2);
+                compare_periodic(dim, points, weights, count, own, axes, PBW_OK, dim == 2);
+                memset(&domain, 0, sizeof domain);
+                domain.box = own;
+                domain.periodic = axes;
+                CHECK_EQUAL(pbw_cells_periodic(dim, points, weights, count, &domain, PBW_CELLS_FACETS, NULL, &cpu),
+                            PBW_OK);
+                CHECK_EQUAL(pbw_cuda_cells_of_host(dim, points, weights, count, own, axes, PBW_CUDA_FACETS, NULL,
+                                                   pbw_triangulate, &made), PBW_OK);
+                if (dim == 3) {
+                    same_cells(&cpu, &made, 1);
+                    CHECK(same(made.shifts, cpu.shifts, cpu.facet_count * (size_t)dim));
+                }
+                CHECK(same(made.sites, cpu.sites, count * (size_t)dim * sizeof(double)));
+                pbw_cells_free(&cpu);
+                pbw_cuda_cells_free(&made, NULL);
+                compare_periodic(dim, points, NULL, count, own, axes | 8, PBW_ERROR_ARGUMENT, 0);
+                compare_periodic(dim, points, NULL, count, own, 0, PBW_ERROR_ARGUMENT, 0);
                 test_end();
             }
         }
@@ -540,6 +598,7 @@ int main(int argc, char **argv)
     test_failures();
     test_loop(count);
     test_periodic(20000);
+    test_walls(20000);
     test_zoo();
     test_kinds(count);
     return test_finish();

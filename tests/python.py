@@ -504,8 +504,12 @@ def cells_by_a_gpu():
             for name in ("volumes", "centroids", "first", "neighbors", "areas"):
                 equal(getattr(cells, name), getattr(expected, name))
             equal(pbw.lloyd(points, 3, box, device="cuda"), pbw.lloyd(points, 3, box))
+            cells = pbw.power_cells(points, box=box, periodic="x", device="cuda")
+            expected = pbw.power_cells(points, box=box, periodic="x")
+            for name in ("volumes", "sites", "areas", "shifts") if dim == 3 else ("sites",):
+                equal(getattr(cells, name), getattr(expected, name))
         raises_text(ValueError, "device must be 'cpu' or 'cuda', not 'gpu'", pbw.power_cells, points, device="gpu")
-        for more in ({"periodic": "x"}, {"merge": True}, {"lattice": np.eye(dim)}):
+        for more in ({"merge": True}, {"lattice": np.eye(dim)}):
             raises_text(ValueError, "device='cuda' makes no cells with " + list(more)[0], pbw.power_cells, points,
                         box=box, device="cuda", **more)
 

@@ -154,17 +154,21 @@ check "centroids" sh -c "sed 1d c.csv | cut -d, -f3-5 | awk -F, '{ printf \"%.12
     sed 's/-0\\>/0/g' | cmp - lattice.csv"
 printf 'x,y,z\n1,0,0\n-1,0,0\n0,1,0\n0,-1,0\n0,0,1\n0,0,-1\n' > six.csv
 printf 'x,y,z\n1,1,1\n1,1,-1\n1,-1,1\n1,-1,-1\n-1,1,1\n-1,1,-1\n-1,-1,1\n-1,-1,-1\n' > eight.csv
-by_gpu() {    # the cells of the CPU; or why there are none
-    "$pbw" cells lattice.csv --box $box --quiet -o cpu.csv || return 1
-    if "$pbw" cells lattice.csv --box $box --quiet --gpu -o gpu.csv > said 2>&1; then
+by_gpu() {    # by_gpu POINTS OPTIONS: the cells of the CPU; or why there are none
+    "$pbw" cells "$@" --quiet -o cpu.csv || return 1
+    if "$pbw" cells "$@" --quiet --gpu -o gpu.csv > said 2>&1; then
         cmp cpu.csv gpu.csv
     else
         cat said
         grep -q "gpu: this program was built without CUDA; .make GPU=1 B=build/gpu. builds\|gpu: no usable device" said
     fi
 }
-check "cells by a GPU" by_gpu
-check "no periods by a GPU" says 2 "--gpu and --periodic x exclude" cells lattice.csv --box $box --periodic x --gpu
+check "cells by a GPU" by_gpu lattice.csv --box $box
+"$pbw" generate uniform 3000 --dim 3 --seed 1 --quiet -o even.csv
+check "cells in a periodic box by a GPU" by_gpu even.csv --box 0,0,0,1,1,1 --periodic xyz
+check "cells in a box periodic along one axis by a GPU" by_gpu even.csv --box 0,0,0,1,1,1 --periodic x
+check "no lattices by a GPU" says 2 "--gpu and --lattice 1,0,0,0,1,0,0,0,1 exclude" \
+    cells even.csv --lattice 1,0,0,0,1,0,0,0,1 --gpu
 check "pyramids of six cospherical points" says 0 "6 cells, 0 of them empty, 0 unbounded; 30 facets" \
     cells six.csv --box -1,-1,-1,1,1,1 --merge -o c.csv -o c.obj
 check "pyramids are closed" enclosed

@@ -317,10 +317,10 @@ static int make(job *j, const pbw_domain *domain, unsigned what, pbw_cells *cell
     return failed;
 }
 
-static int make_by_gpu(job *j, const double *box, pbw_cells *cells)
+static int make_by_gpu(job *j, const pbw_domain *domain, pbw_cells *cells)
 {
     const double start = now();
-    const int failed = gpu_cells(j, box, cells);
+    const int failed = gpu_cells(j, domain, cells);
     if (!failed) {
         report_step(j, "cells", now() - start, "%s", "with the mesh, on the GPU");
         warn_of_range(j);
@@ -440,7 +440,7 @@ static int run(job *j)
     }
     if (!failed) {
         what = contents_of(j);
-        failed = what < 0 ? FAILURE : is_given(j, "--gpu") ? make_by_gpu(j, domain.box, &cells)
+        failed = what < 0 ? FAILURE : is_given(j, "--gpu") ? make_by_gpu(j, &domain, &cells)
                : make(j, &domain, (unsigned)what, &cells);
     }
     if (!failed) {

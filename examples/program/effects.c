@@ -45,7 +45,7 @@ static const rule rules[] = {
     { .commands = "cells", .option = "--box", .excludes = "--clip --lattice" },
     { .commands = "cells", .option = "--lattice", .excludes = "--clip --periodic" },
     { .commands = "cells", .option = "--gpu",
-      .excludes = "--clip --lattice --periodic --merge .vtu .obj .svg .html .geojson" },
+      .excludes = "--clip --lattice --merge .vtu .obj .svg .html .geojson" },
     { .commands = "plane", .option = "--coarsen", .needs = "--size" },
     { .commands = "plane", .option = "--gradation", .needs = REFINING },
     { .commands = "plane", .option = "--keep-boundary", .needs = REFINING },

@@ -1,9 +1,9 @@
 /* gpu.c: cells by a GPU, in a program that `make GPU=1` built with pbw_cuda.cu.
-   In: the points of a job, a box or NULL.  Out: volumes, centroids, neighbours and areas of their cells. */
+   In: the points of a job, a domain.  Out: volumes, centroids, neighbours and areas of their cells. */
 #include "program.h"
 
 #ifdef PBW_CUDA
-int gpu_cells(job *j, const double *box, pbw_cells *cells)
+int gpu_cells(job *j, const pbw_domain *domain, pbw_cells *cells)
 {
     const pbwio_cloud *c = &j->cloud;
     char message[256] = "";
@@ -13,8 +13,8 @@ int gpu_cells(job *j, const double *box, pbw_cells *cells)
     options.message = message;
     options.message_size = sizeof message;
     begin(j, "cells", "mesh and cells on the GPU");
-    status = pbw_cuda_cells_of_host(c->dim, c->points, c->weights, c->count, box, PBW_CUDA_FACETS, &options,
-                                    pbw_triangulate, &made);
+    status = pbw_cuda_cells_of_host(c->dim, c->points, c->weights, c->count, domain->box, domain->periodic,
+                                    PBW_CUDA_FACETS, &options, pbw_triangulate, &made);
     if (status == PBW_ERROR_BACKEND) {
         return fail(j, "--gpu: %s", message[0] != 0 ? message : pbw_status_string(status));
     }
@@ -32,6 +32,8 @@ int gpu_cells(job *j, const double *box, pbw_cells *cells)
     cells->first = made.first;
     cells->neighbors = made.neighbors;
     cells->areas = made.areas;
+    cells->sites = made.sites;
+    cells->shifts = made.shifts;
     cells->memory = made.memory;
     return 0;
 }
@@ -45,9 +47,9 @@ void gpu_free(pbw_cells *cells)
     memset(cells, 0, sizeof *cells);
 }
 #else
-int gpu_cells(job *j, const double *box, pbw_cells *cells)
+int gpu_cells(job *j, const pbw_domain *domain, pbw_cells *cells)
 {
-    (void)box;
+    (void)domain;
     (void)cells;
     return fail(j, "--gpu: this program was built without CUDA; `make GPU=1 B=build/gpu` builds one with it");
 }

@@ -225,9 +225,10 @@ pbwsample_model model_of(const pbwio_cloud *cloud);
 
 /* ---- gpu.c ---- */
 
-/* Makes volumes, centroids and facets of the job's points in a box, or with NULL in the whole space.  Returns 0 or
-   the exit status: also without CUDA in the program, or without a GPU.  For gpu_free, not for pbw_cells_free. */
-int gpu_cells(job *j, const double *box, pbw_cells *cells);
+/* Makes volumes, centroids and facets of the job's points in the domain's box, which may repeat, or in the whole
+   space.  Returns 0 or the exit status: also without CUDA in the program, or without a GPU.  For gpu_free, not for
+   pbw_cells_free. */
+int gpu_cells(job *j, const pbw_domain *domain, pbw_cells *cells);
 void gpu_free(pbw_cells *cells);
 
 /* ---- filemesh.c: simplices that a file has; each returns 0 or the exit status ---- */

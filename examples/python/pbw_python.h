@@ -56,7 +56,8 @@ int pbw_python_nearest(const arrays *a, const double *queries, size_t count, siz
 int pbw_python_coordinates(const arrays *a, const double *queries, size_t count, int scheme, pbw_lists *lists);
 int pbw_python_cells(const arrays *a, const double *box, const double *lattice, unsigned periodic, unsigned what,
                      pbw_cells *cells);
-int pbw_python_gpu_cells(const arrays *a, const double *box, int facets, pbw_cells *cells, char *message, size_t size);
+int pbw_python_gpu_cells(const arrays *a, const double *box, unsigned axes, int facets, pbw_cells *cells,
+                         char *message, size_t size);
 void pbw_python_gpu_free(pbw_cells *cells);
 int pbw_python_stars(const arrays *a, pbw_lists *stars);
 int pbw_python_check(const arrays *a, int *valid);

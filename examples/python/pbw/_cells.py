@@ -89,9 +89,10 @@ def power_cells(points, weights=None, box=None, *, periodic="", lattice=None, me
     lattice    instead of a box: vectors, a row each, by which all repeats, at any angles, as of triclinic crystals
     merge      the true diagram: centres that coincide are one vertex, facets without area are left out
     device     "cuda": mesh and cells by an NVIDIA GPU, in a box or in the whole space; the same bytes, but vertices,
-               loops and rays are None.  Raises Error if pbw was built without CUDA, or there is no GPU
+               loops and rays are None.  In a periodic box they are the same up to rounding if points are uneven.
+               Raises Error if pbw was built without CUDA, there is no GPU, or points of a periodic box are too few
     """
-    by_gpu = _is_cuda(device, periodic=periodic, lattice=lattice, merge=merge)
+    by_gpu = _is_cuda(device, lattice=lattice, merge=merge)
     points = checked_points(points)
     weights = None if weights is None else checked_weights(weights, len(points))
     check_options(False, None, threads)
@@ -99,7 +100,7 @@ def power_cells(points, weights=None, box=None, *, periodic="", lattice=None, me
     axes = _checked_axes(periodic, box, points.shape[1])
     lattice = _checked_lattice(lattice, box, points.shape[1])
     if by_gpu:
-        return Cells(_library.gpu_cells(points, weights, box, True, threads))
+        return Cells(_library.gpu_cells(points, weights, box, axes, True, threads))
     what = FACETS | SHAPES | (MERGE if merge else 0)
     if box is not None or lattice is not None:
         return Cells(_library.boxed_cells(points, weights, box, lattice, axes, what, threads))
@@ -114,7 +115,7 @@ def lloyd(points, steps=10, box=None, *, periodic="", lattice=None, threads=0, d
                Then points are moved by sums of vectors, as by power_cells
     device     "cuda": by an NVIDIA GPU, as by power_cells
     """
-    by_gpu = _is_cuda(device, periodic=periodic, lattice=lattice)
+    by_gpu = _is_cuda(device, lattice=lattice)
     points = checked_points(points)
     check_options(False, None, threads)
     if operator.index(steps) < 0:
@@ -126,7 +127,7 @@ def lloyd(points, steps=10, box=None, *, periodic="", lattice=None, threads=0, d
     box = _checked_box(box, dim)
     axes = _checked_axes(periodic, box, dim)
     for _ in range(steps):
-        cells = (_library.gpu_cells(points, None, box, False, threads) if by_gpu
+        cells = (_library.gpu_cells(points, None, box, axes, False, threads) if by_gpu
                  else _library.boxed_cells(points, None, box, lattice, axes, 0, threads))
         points = cells["centroids"]
     return points

@@ -123,7 +123,7 @@ def _declare(library):
     library.pbw_python_coordinates.argtypes = [arrays, doubles, size, ctypes.c_int, ctypes.POINTER(_Lists)]
     library.pbw_python_cells.argtypes = [arrays, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_uint, ctypes.c_uint,
                                          ctypes.POINTER(_Cells)]
-    library.pbw_python_gpu_cells.argtypes = [arrays, ctypes.c_void_p, ctypes.c_int, ctypes.POINTER(_Cells),
+    library.pbw_python_gpu_cells.argtypes = [arrays, ctypes.c_void_p, ctypes.c_uint, ctypes.c_int, ctypes.POINTER(_Cells),
                                              ctypes.c_char_p, size]
     library.pbw_lists_free.restype = library.pbw_cells_free.restype = library.pbw_python_gpu_free.restype = None
     library.pbw_python_gpu_free.argtypes = [ctypes.POINTER(_Cells)]
@@ -237,15 +237,15 @@ def cells_of(arrays, box, lattice, periodic, what, points, weights):
     return made
 
 
-def gpu_cells(points, weights, box, facets, threads):
-    """Volumes, centroids and, with facets, neighbors and areas of points in a box, by a GPU."""
+def gpu_cells(points, weights, box, axes, facets, threads):
+    """Volumes, centroids and, with facets, neighbors and areas of points in a box, periodic along axes, by a GPU."""
     arrays = _Arrays(points.shape[1], threads, len(points), 0, points.ctypes.data,
                      None if weights is None else weights.ctypes.data)
     found, made, text = _Cells(), {}, ctypes.create_string_buffer(256)
 
     def ask(arrays):
-        status = _library.pbw_python_gpu_cells(arrays, None if box is None else box.ctypes.data, facets, found, text,
-                                               len(text))
+        status = _library.pbw_python_gpu_cells(arrays, None if box is None else box.ctypes.data, axes, facets, found,
+                                               text, len(text))
         try:
             if status == 0:
                 made.update(_cell_arrays(found))
