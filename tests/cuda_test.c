@@ -636,6 +636,27 @@ static void test_declined(void)
             test_end();
         }
     }
+    if (test_begin("declined early: a shell")) {     /* a noisy sphere: large stars, which show only when built */
+        const size_t many = 200000;
+        uint64_t state = test_seed;
+        size_t i;
+        points = (double *)zoo_grow(points, many * 3 * sizeof *points);
+        input_fill(INPUT_SPHERE, 3, many, (uint64_t)test_seed, points);
+        for (i = 0; i < 3 * many; i += 3) {
+            const double by = 1.0 + 0.02 * (input_uniform(&state) - 0.5);
+            points[i] *= by;
+            points[i + 1] *= by;
+            points[i + 2] *= by;
+        }
+        pbw_cuda_patient = 0;
+        options.backend = team_of(1);
+        message[0] = '\0';
+        CHECK_EQUAL(pbw_triangulate(3, points, NULL, many, &options, &gpu), PBW_OK);
+        CHECK(gpu.statistics.by_backend == 0 && strstr(message, "on a sphere") != NULL);
+        pbw_free(&gpu);
+        pbw_cuda_patient = 1;
+        test_end();
+    }
     free(points);
 }
 
