@@ -691,8 +691,9 @@ extern pbw_status pbw_cuda_loop_step(pbw_cuda_loop *loop, const pbw_cuda_points 
    PBW_DEGENERATE cells are left empty.  Needs 1 kB of device memory a point in space, 1.4 with facets.  Waits.
    loop_cells: of the mesh of the last step.  The arrays belong to the loop until its next loop_cells: so centroids
    can be the points of the next step.  All others are for pbw_cuda_cells_free.
-   of_host: of packed points in the host's memory, by the current device; the arrays are the host's, too.  options: as
-   for pbw_cuda_triangulate; memory_limit is for the mesh and for the cells, each, besides the points.
+   of_host: of packed points of the host, by the current device or those of options.backend (pbw_cuda_backend_multi):
+   the first makes the mesh, each an equal share of the cells.  The arrays are the host's.  options: else as for
+   pbw_cuda_triangulate; memory_limit is for mesh and cells, each, besides the points.
    periodic: of points in a box that repeats along axis k if bit k of axes is set; options likewise.  As from
    pbw_cells_periodic: byte for byte if copies within 3.2 spacings do, as for even points in space, else to rounding
    and the order of facets.  PBW_ERROR_BACKEND for few or very uneven points.  of_host: axes 0 = none. */

@@ -89,7 +89,7 @@
      >>local     points on the device: triangulate, free, check
      >>loop      points that move
      >>dual      the calls for cells
-     >>transfer  cells of points in the memory of the host
+     >>transfer  cells of points in the memory of the host, on one card or several
      >>periods   cells of points in a periodic box
 */
 #include <cuda_runtime.h>
@@ -4815,7 +4815,7 @@ struct padded_box {
 struct diagram {
     const uint32_t *simplices, *neighbors, *incident;
     const double *points, *weights;                  /* weights: NULL = none */
-    uint32_t simplex_count, count;                   /* count: cells, of the first points */
+    uint32_t simplex_count, start, count;            /* cells: of the points from start to count - 1 */
     bool bounded;
     double low[3], high[3], slack[3], extent[3];     /* slack: for the rounding of the box */
     double from[3], to[3];
@@ -4824,6 +4824,11 @@ struct diagram {
 };
 
 const unsigned good_centre = 1, inside_box = 2;
+
+DEVICE bool has_cell(const diagram &d, size_t v)
+{
+    return v >= d.start && v < d.count;
+}
 
 /* Whether a + x is certainly in the box. */
 template <int DIM> DEVICE bool is_inside(const diagram &d, const double *a, const real *x)
@@ -5154,8 +5159,13 @@ const int contribute_block = 128;
 template <bool WEIGHTED, bool FACETS>
 __global__ void __launch_bounds__(contribute_block) contribute_kernel(const diagram d, const contributions out)
 {
-    if (thread_number() < d.simplex_count) {
-        contribute<WEIGHTED, FACETS>(d, out, (uint32_t)thread_number());
+    const size_t simplex = thread_number();
+    bool is_read = false;
+    for (size_t i = 0; i < 4 && simplex < d.simplex_count; i++) {
+        is_read = is_read || has_cell(d, d.simplices[4 * simplex + i]);
+    }
+    if (is_read) {
+        contribute<WEIGHTED, FACETS>(d, out, (uint32_t)simplex);
     }
 }
 
@@ -5180,7 +5190,7 @@ const uint32_t chunk_bits = 14;                      /* simplices of a chunk of 
 
 __global__ void sum_kernel(const diagram d, const contributions in, const stars s, const queue left)
 {
-    const size_t v = thread_number() / 4;
+    const size_t v = d.start + thread_number() / 4;
     const int k = (int)(threadIdx.x & 3);
     const bool go = v < d.count;
     const uint32_t end = go ? s.first[v + 1] : 0, begin = go ? s.first[v] : 0;
@@ -6509,7 +6519,7 @@ __global__ void plane_kernel(const diagram d, const facet_lists lists, const que
     const size_t simplex = thread_number();
     for (int k = 0; k < 3 && simplex < d.simplex_count; k++) {
         const uint32_t v = d.simplices[3 * simplex + (size_t)k];
-        if (v < d.count && d.incident[v] == simplex && !plane_cell(d, lists, v)) {
+        if (has_cell(d, v) && d.incident[v] == simplex && !plane_cell(d, lists, v)) {
             left.vertex[atomicAdd(left.count, 1u)] = v;
         }
     }
@@ -7185,12 +7195,12 @@ __global__ void widen_kernel(const float *from, size_t count, double *to)
     }
 }
 
-/* Points that are no vertices have empty cells. */
+/* Points that are no vertices have empty cells; so do those before the first cell. */
 template <int DIM> __global__ void empty_kernel(const diagram d, const facet_lists lists)
 {
     const size_t v = thread_number();
     const real nothing[4] = { 0.0, 0.0, 0.0, 0.0 };
-    if (v < d.count && (d.incident == NULL || d.incident[v] == none)) {
+    if (v < d.count && (!has_cell(d, v) || d.incident == NULL || d.incident[v] == none)) {
         set_cell<DIM>(d, (uint32_t)v, nothing);
         if (lists.first != NULL) {
             lists.first[v] = 0;
@@ -7205,7 +7215,7 @@ __global__ void count_kernel(const diagram d, const stars s, const facet_lists l
 {
     const uint32_t v = (uint32_t)thread_number();
     if (v < d.count) {
-        const uint32_t count = s.first[v + 1] - s.first[v];
+        const uint32_t count = has_cell(d, v) ? s.first[v + 1] - s.first[v] : 0;
         const bool is_whole = lists.is_left[v] == 0;
         lists.first[v] = count > 0 ? count / 2 + 2 : 0;
         if (count > 0 && (!is_whole || count > facet_simplices)) {
@@ -7225,7 +7235,7 @@ __global__ void vertices_kernel(const diagram d, const queue list)
     int at[4], length = 0;
     for (size_t k = 0; k < 4; k++) {
         const uint32_t v = simplex < d.simplex_count ? d.simplices[4 * simplex + k] : none;
-        vertex[k] = v < d.count && d.incident[v] == simplex ? v : none;
+        vertex[k] = has_cell(d, v) && d.incident[v] == simplex ? v : none;
         at[k] = append<32>(vertex[k] != none, length);
     }
     if ((threadIdx.x & 31) == 0 && length > 0) {
@@ -7371,7 +7381,7 @@ void sum_cells(call &c, const diagram &d, const stars &s, unsigned char *is_left
                         : d.weights != NULL ? contribute_kernel<true, false> : contribute_kernel<false, false>,
            over(simplices, contribute_block), d, out);
     record_mark(c, 2);
-    launch(c, "sums", sum_kernel, over(4 * (size_t)d.count, 256), d, out, s, left);
+    launch(c, "sums", sum_kernel, over(4 * (size_t)(d.count - d.start), 256), d, out, s, left);
 }
 
 /* Volumes and centroids alone, in space. */
@@ -7466,6 +7476,7 @@ struct cells_request {
     pbw_triangulator *cpu;
     pbw_cuda_cells *cells;
     const period *repeats;                           /* NULL, or the points are those and their copies */
+    size_t from, to;                                 /* cells of these points alone; to 0: of all */
 };
 
 bool is_sound(const cells_request &q)
@@ -7490,7 +7501,8 @@ diagram diagram_of(const cells_request &q)
     const period *const p = q.repeats;
     diagram d = {};
     d.bounded = q.box != NULL || p != NULL;
-    d.count = (uint32_t)(p != NULL ? p->count : q.points->count);
+    d.start = (uint32_t)q.from;
+    d.count = (uint32_t)(p != NULL ? p->count : q.to > 0 ? q.to : q.points->count);
     d.padded.axes = p != NULL ? p->axes : 0;
     for (int k = 0; k < 3; k++) {
         const bool is_there = d.bounded && k < dim, is_wall = is_there && (d.padded.axes >> k & 1) == 0;
@@ -7817,38 +7829,114 @@ struct alignas(16) host_cells {
     size_t bytes;
 };
 
-/* Copies the arrays of cells to the host. */
-pbw_status fetch_cells(const pbw_cuda_cells &made, const pbw_options &options, cudaStream_t stream,
-                       pbw_cuda_cells *cells)
+/* What a card has of a call: points, their mesh, and the cells of its points, which are those from q.from to
+   q.to - 1. */
+struct card_cells {
+    int device;
+    cudaStream_t stream;
+    pbw_cuda_points points;
+    pbw_cuda_mesh mesh;
+    pbw_cuda_cells made;
+    cells_request q;
+    pbw_options options;
+    size_t facets_before;                            /* those of the cards before */
+    pbw_status status;
+};
+
+/* Calls f(card) for each card, side by side, where that is current. */
+template <typename F> void on_cards(card_cells *cards, int count, F f)
 {
-    const cell_arrays from = arrays_of(made);
+    std::thread helper[most_cards];
+    auto call = [&](card_cells &card) {
+        card.status = cudaSetDevice(card.device) == cudaSuccess ? f(card) : PBW_ERROR_BACKEND;
+    };
+    for (int i = 1; i < count; i++) {
+        try {
+            helper[i] = std::thread(call, std::ref(cards[i]));
+        } catch (...) {
+            cards[i].status = PBW_ERROR_THREAD;
+        }
+    }
+    call(cards[0]);
+    for (int i = 1; i < count; i++) {
+        if (helper[i].joinable()) {
+            helper[i].join();
+        }
+    }
+}
+
+pbw_status worst_of(const card_cells *cards, int count)
+{
+    pbw_status status = cards[0].status;
+    for (int i = 1; i < count && (status == PBW_OK || status == PBW_DEGENERATE); i++) {
+        status = cards[i].status;
+    }
+    return status;
+}
+
+template <typename V> bool copy_to(V *&to, const V *from, size_t count, cudaStream_t stream)
+{
+    return cudaMallocAsync((void **)&to, count * sizeof(V) + 1, stream) == cudaSuccess
+        && cudaMemcpyAsync(to, from, count * sizeof(V), cudaMemcpyDefault, stream) == cudaSuccess;
+}
+
+/* Copies points to a card, from the host or from another card. */
+bool send_points(card_cells &card, const pbw_cuda_points &from)
+{
+    double *points = NULL, *weights = NULL;
+    bool good = copy_to(points, (const double *)from.points, from.count * (size_t)from.dim, card.stream);
+    if (good && from.weights != NULL) {
+        good = copy_to(weights, (const double *)from.weights, from.count, card.stream);
+    }
+    card.points = { from.dim, 0, points, weights, from.count, 0 };
+    return good;
+}
+
+/* Copies points and their mesh from another card, where they are complete. */
+bool share_mesh(card_cells &card, const card_cells &from)
+{
+    const size_t corners = from.mesh.simplex_count * (size_t)(from.mesh.dim + 1);
+    const pbw_cuda_mesh &m = from.mesh;
+    cudaMemPool_t pool;
+    const cudaMemAccessDesc access = { { cudaMemLocationTypeDevice, card.device }, cudaMemAccessFlagsProtReadWrite };
+    if (card.device != from.device && cudaDeviceGetMemPool(&pool, from.device) == cudaSuccess) {
+        (void)cudaMemPoolSetAccess(pool, &access, 1);                /* or copies go by way of the host */
+        (void)cudaGetLastError();
+    }
+    card.mesh = m;
+    card.mesh.simplices = card.mesh.neighbors = card.mesh.incident = card.mesh.canonical = NULL;
+    return send_points(card, from.points) && copy_to(card.mesh.simplices, m.simplices, corners, card.stream)
+        && copy_to(card.mesh.neighbors, m.neighbors, corners, card.stream)
+        && copy_to(card.mesh.incident, m.incident, m.point_count, card.stream);
+}
+
+/* The arrays of cells in the memory of the host, which are still to be filled.  Returns a status. */
+pbw_status lay_out_cells(const card_cells *cards, int count, const pbw_options &options, pbw_cuda_cells *cells)
+{
+    const card_cells &last = cards[count - 1];
+    pbw_cuda_cells all = last.made;
     size_t bytes = sizeof(host_cells);
     pbw_memory memory;
     void *to[7] = {};
     pbw_memory_start(&memory, &options);
+    all.facet_count += last.facets_before;
+    const cell_arrays arrays = arrays_of(all);
     for (int i = 0; i < 7; i++) {
-        bytes += from.at[i] != NULL ? from.bytes[i] : 0;
+        bytes += arrays.at[i] != NULL ? arrays.bytes[i] : 0;
     }
     host_cells *const block = (host_cells *)pbw__allocate(&memory, bytes, 1);
     if (block == NULL) {
         return PBW_ERROR_MEMORY;
     }
-    cudaError_t error = cudaSuccess;
     char *next = (char *)(block + 1);
-    for (int i = 0; i < 7 && error == cudaSuccess; i++) {
-        if (from.at[i] != NULL) {
+    for (int i = 0; i < 7; i++) {
+        if (arrays.at[i] != NULL) {
             to[i] = next;
-            next += from.bytes[i];
-            error = cudaMemcpyAsync(to[i], from.at[i], from.bytes[i], cudaMemcpyDeviceToHost, stream);
+            next += arrays.bytes[i];
         }
     }
-    const cudaError_t last = cudaStreamSynchronize(stream);  /* copies may be under way even after an error */
-    if (error != cudaSuccess || last != cudaSuccess) {
-        pbw__release(&memory, block, bytes, 1);
-        return PBW_ERROR_BACKEND;
-    }
     *block = host_cells{ memory, bytes };
-    *cells = made;
+    *cells = all;
     cells->volumes = (double *)to[0];
     cells->centroids = (double *)to[1];
     cells->first = (size_t *)to[2];
@@ -7860,34 +7948,116 @@ pbw_status fetch_cells(const pbw_cuda_cells &made, const pbw_options &options, c
     return PBW_OK;
 }
 
-/* Copies points to the device and makes their mesh and cells there.  axes: those along which the box repeats. */
-pbw_status cells_of_points(const pbw_cuda_points &host, unsigned axes, const cells_request &q, pbw_options options,
-                           cudaStream_t stream)
+/* Copies what a card has made to its places. */
+pbw_status fetch_cells(const card_cells &card, const pbw_cuda_cells &cells)
 {
-    const size_t numbers = host.count * (size_t)host.dim, all = numbers + (host.weights != NULL ? host.count : 0);
-    pbw_cuda_points there = host;
-    pbw_cuda_mesh mesh = {};
-    double *points = NULL;
-    pbw_status status = PBW_ERROR_BACKEND;
-    if (cudaMallocAsync((void **)&points, all * sizeof *points + 1, stream) != cudaSuccess) {
-        return status;
+    const size_t from = card.q.from, count = card.made.cell_count - from, dim = (size_t)cells.dim;
+    const size_t firsts = count + (card.made.cell_count == cells.cell_count);        /* the last card has the end */
+    const size_t before = card.facets_before, facets = card.made.facet_count;
+    const pbw_cuda_cells &made = card.made;
+    bool good = true;
+    auto copy = [&](void *to, const void *source, size_t at, size_t skipped, size_t bytes) {
+        good = good && (source == NULL || cudaMemcpyAsync((char *)to + at, (const char *)source + skipped, bytes,
+                                                          cudaMemcpyDeviceToHost, card.stream) == cudaSuccess);
+    };
+    const size_t place = from * sizeof(double);
+    copy(cells.volumes, made.volumes, place, place, count * sizeof(double));
+    copy(cells.centroids, made.centroids, place * dim, place * dim, count * dim * sizeof(double));
+    copy(cells.first, made.first, place, place, firsts * sizeof(size_t));
+    copy(cells.areas, made.areas, before * sizeof(double), 0, facets * sizeof(double));
+    copy(cells.neighbors, made.neighbors, before * sizeof(pbw_index), 0, facets * sizeof(pbw_index));
+    copy(cells.sites, made.sites, 0, 0, count * dim * sizeof(double));
+    copy(cells.shifts, made.shifts, 0, 0, facets * dim);
+    good = cudaStreamSynchronize(card.stream) == cudaSuccess && good;    /* copies may be under way after an error */
+    for (size_t i = from; good && before > 0 && i < from + firsts; i++) {
+        cells.first[i] += before;
     }
-    there.points = points;
-    there.weights = host.weights != NULL ? points + numbers : NULL;
-    if (cudaMemcpyAsync(points, host.points, numbers * sizeof *points, cudaMemcpyHostToDevice, stream) == cudaSuccess
-        && (host.weights == NULL || cudaMemcpyAsync(points + numbers, host.weights, host.count * sizeof *points,
-                                                    cudaMemcpyHostToDevice, stream) == cudaSuccess)) {
-        status = axes != 0 ? pbw_cuda_cells_periodic(&there, q.box, axes, q.what, &options, stream, q.cpu, q.cells)
-               : pbw_cuda_triangulate(host.dim, 0, there.points, there.weights, host.count, &options, stream, q.cpu,
-                                      &mesh);
-        options.flags = 0;
-        if (axes == 0 && (status == PBW_OK || status == PBW_DEGENERATE)) {
-            status = run_cells({ &mesh, &there, q.box, q.what, q.cpu, q.cells, NULL }, &options, stream, NULL);
+    return good ? PBW_OK : PBW_ERROR_BACKEND;
+}
+
+/* Copies points to the first card and makes their mesh there; of a box that repeats along axes the cells, too. */
+pbw_status start_cells(card_cells &card, const pbw_cuda_points &host, unsigned axes)
+{
+    const cells_request &q = card.q;
+    if (cudaStreamCreateWithFlags(&card.stream, cudaStreamNonBlocking) != cudaSuccess || !send_points(card, host)) {
+        return PBW_ERROR_BACKEND;
+    }
+    return axes != 0 ? pbw_cuda_cells_periodic(&card.points, q.box, axes, q.what, &card.options, card.stream, q.cpu,
+                                               &card.made)
+         : pbw_cuda_triangulate(host.dim, 0, card.points.points, card.points.weights, host.count, &card.options,
+                                card.stream, q.cpu, &card.mesh);
+}
+
+/* Makes the cells of a card's points; others than the first get points and mesh from that. */
+pbw_status continue_cells(card_cells &card, const card_cells &first)
+{
+    cells_request q = card.q;
+    pbw_options options = card.options;
+    if (&card != &first
+        && (cudaStreamCreateWithFlags(&card.stream, cudaStreamNonBlocking) != cudaSuccess
+            || !share_mesh(card, first))) {
+        return PBW_ERROR_BACKEND;
+    }
+    q.mesh = &card.mesh;
+    q.points = &card.points;
+    q.cells = &card.made;
+    options.flags = 0;
+    return run_cells(q, &options, card.stream, NULL);
+}
+
+/* Frees all that a card has. */
+pbw_status end_cells(card_cells &card)
+{
+    pbw_cuda_free(&card.mesh, card.stream);
+    pbw_cuda_cells_free(&card.made, card.stream);
+    for (const void *array : { card.points.points, card.points.weights }) {
+        if (array != NULL) {
+            cudaFreeAsync((void *)(uintptr_t)array, card.stream);
         }
     }
-    pbw_cuda_free(&mesh, stream);
-    cudaFreeAsync(points, stream);
-    return status;
+    if (card.stream != NULL) {
+        cudaStreamSynchronize(card.stream);
+        cudaStreamDestroy(card.stream);
+    }
+    return card.status;
+}
+
+/* Makes the mesh on the first card, and an equal share of the cells on each.  Returns a status. */
+pbw_status make_host_cells(card_cells *cards, int count, const pbw_cuda_points &host, unsigned axes,
+                           pbw_cuda_cells *cells)
+{
+    const size_t step = host.count / (size_t)count;
+    size_t facets = 0;
+    on_cards(cards, 1, [&](card_cells &card) { return start_cells(card, host, axes); });
+    pbw_status status = cards[0].status;
+    if (axes == 0 && (status == PBW_OK || status == PBW_DEGENERATE)) {
+        count = cards[0].mesh.simplex_count > 0 ? count : 1;
+        for (int i = 0; i < count && count > 1; i++) {
+            cards[i].q.from = step * (size_t)i;
+            cards[i].q.to = i + 1 < count ? step * (size_t)(i + 1) : host.count;
+        }
+        on_cards(cards, count, [&](card_cells &card) { return continue_cells(card, cards[0]); });
+        status = worst_of(cards, count);
+    } else {
+        count = 1;
+    }
+    if (status != PBW_OK && status != PBW_DEGENERATE) {
+        return status;
+    }
+    for (int i = 0; i < count; i++) {
+        cards[i].facets_before = facets;
+        facets += cards[i].made.facet_count;
+    }
+    const pbw_status laid_out = lay_out_cells(cards, count, cards[0].options, cells);
+    if (laid_out != PBW_OK) {
+        return laid_out;
+    }
+    on_cards(cards, count, [&](card_cells &card) { return fetch_cells(card, *cells); });
+    const pbw_status fetched = worst_of(cards, count);
+    if (fetched != PBW_OK) {
+        pbw_cuda_cells_free(cells, NULL);
+    }
+    return fetched != PBW_OK ? fetched : status;
 }
 
 void say(const pbw_options &options, const char *text)
@@ -7906,27 +8076,39 @@ extern "C" pbw_status pbw_cuda_cells_of_host(int dim, const double *points, cons
 {
     const pbw_cuda_points host = { dim, 0, points, weights, count, 0 };
     const pbw_cuda_mesh no_mesh = {};
-    pbw_cuda_cells made = {};
-    const cells_request q = { &no_mesh, &host, box, what, cpu, &made, NULL };
+    const cells_request q = { &no_mesh, &host, box, what, cpu, cells };
+    device_list devices = { {}, 1, {}, NULL };
+    card_cells cards[most_cards] = {};
     pbw_options options;
-    cudaStream_t stream = NULL;
+    int before = 0;
     if (cells != NULL) {
         memset(cells, 0, sizeof *cells);
     }
-    if (cells == NULL || !is_sound(q) || !take_options(options, given_options)) {
+    if (cells == NULL || !is_sound(q) || !take_options(options, given_options)
+        || (options.backend != NULL && options.backend->triangulate != triangulate)) {
         return PBW_ERROR_ARGUMENT;
     }
     say(options, "");
     pbw_status status = PBW_ERROR_BACKEND;
-    if (cudaStreamCreateWithFlags(&stream, cudaStreamNonBlocking) == cudaSuccess) {
-        status = cells_of_points(host, axes, q, options, stream);
-        if (status == PBW_OK || status == PBW_DEGENERATE) {
-            const pbw_status fetched = fetch_cells(made, options, stream, cells);
-            status = fetched != PBW_OK ? fetched : status;
+    if (cudaGetDevice(&before) == cudaSuccess) {
+        devices.device[0] = before;
+        if (options.backend != NULL) {
+            devices = *(const device_list *)options.backend->user;
         }
-        pbw_cuda_cells_free(&made, stream);
-        cudaStreamSynchronize(stream);
-        cudaStreamDestroy(stream);
+        options.backend = NULL;
+        for (int i = 0; i < devices.count; i++) {
+            cards[i].device = devices.device[i];
+            cards[i].q = q;
+            cards[i].options = options;
+            if (i > 0) {                             /* these are called by the caller's thread alone */
+                cards[i].options.progress = NULL;
+                cards[i].options.message = NULL;
+                cards[i].q.cpu = NULL;
+            }
+        }
+        status = make_host_cells(cards, devices.count, host, axes, cells);
+        on_cards(cards, devices.count, end_cells);
+        cudaSetDevice(before);
     }
     const cudaError_t error = cudaGetLastError();
     if (status == PBW_ERROR_BACKEND && error != cudaSuccess

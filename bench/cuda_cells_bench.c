@@ -1,6 +1,6 @@
 /* cuda_cells_bench.c: cells by pbw_cuda.cu measured, and checked against pbw_cells.h in the same run
 
-       build/cuda_cells_bench [--cpu N] [--runs N] [--steps N] [KIND:DIM:COUNT[:w] ...]
+       build/cuda_cells_bench [--cpu N] [--runs N] [--steps N] [--cards N] [KIND:DIM:COUNT[:w] ...]
 
    cells      volumes and centroids in a box, from a mesh on the device to arrays there: best and median of the runs,
               their phases on the device, and the device memory of the call besides mesh and points, bytes a point
@@ -8,6 +8,7 @@
    CPU        pbw_cells_of with all threads, once, for up to --cpu points (1e6): the arrays are equal, byte for byte,
               or the row says DIFFERENT and the exit status is 1
    all        from points on the device to volumes and centroids
+   host       from arrays of the host to arrays of the host, on 1 to --cards cards (1): alone, then with facets
    periodic   the same in a box that repeats
    Lloyd      --steps steps of a loop (30; without weights): points to mesh to cells, centroids are the next points:
               median and worst step, and how much volumes differ from their mean, at first and at last
@@ -25,7 +26,7 @@
 
 enum { RUNS_MOST = 200 };
 
-typedef struct bench { int runs, steps, fault; size_t cpu_most; cudaMemPool_t pool; } bench;
+typedef struct bench { int runs, steps, cards, fault; size_t cpu_most; cudaMemPool_t pool; } bench;
 
 typedef struct diagram {
     int dim;
@@ -141,6 +142,49 @@ static void all_row(bench *b, diagram *d)
     }
     qsort(times, (size_t)b->runs, sizeof times[0], compare_doubles);
     printf("  all       best %.2f median %.2f ms\n", 1e3 * times[0], 1e3 * times[b->runs / 2]);
+}
+
+/* Several cards have the bytes of one, or the row says DIFFERENT. */
+static void host_row(bench *b, diagram *d, unsigned facets)
+{
+    const double *weights = d->there.weights != NULL ? d->weights : NULL;
+    int list[16], cards, run;
+    pbw_cuda_cells one;
+    memset(&one, 0, sizeof one);
+    for (cards = 1; cards <= b->cards; cards++) {
+        double times[RUNS_MOST], start;
+        int good = 1;
+        pbw_options options = d->options;
+        list[cards - 1] = cards - 1;
+        options.backend = pbw_cuda_backend_multi(list, cards);
+        for (run = 0; run <= b->runs; run++) {
+            pbw_cuda_cells cells;
+            start = seconds();
+            b->fault |= pbw_cuda_cells_of_host(d->dim, d->points, weights, d->count, d->box, 0, facets, &options,
+                                               pbw_triangulate, &cells) != PBW_OK;
+            times[run > 0 ? run - 1 : 0] = seconds() - start;
+            if (cards == 1 && run == b->runs) {
+                one = cells;
+                continue;
+            }
+            good &= cards == 1 || (cells.facet_count == one.facet_count
+                                   && memcmp(cells.volumes, one.volumes, d->count * sizeof(double)) == 0
+                                   && memcmp(cells.centroids, one.centroids,
+                                             d->count * (size_t)d->dim * sizeof(double)) == 0
+                                   && (facets == 0
+                                       || (memcmp(cells.first, one.first, (d->count + 1) * sizeof(size_t)) == 0
+                                           && memcmp(cells.neighbors, one.neighbors,
+                                                     one.facet_count * sizeof(pbw_index)) == 0
+                                           && memcmp(cells.areas, one.areas,
+                                                     one.facet_count * sizeof(double)) == 0)));
+            pbw_cuda_cells_free(&cells, NULL);
+        }
+        qsort(times, (size_t)b->runs, sizeof times[0], compare_doubles);
+        printf("  host%s, %d card%s: best %.2f median %.2f ms%s\n", facets != 0 ? ", facets" : "", cards,
+               cards > 1 ? "s" : "", 1e3 * times[0], 1e3 * times[b->runs / 2], good ? "" : " DIFFERENT");
+        b->fault |= !good;
+    }
+    pbw_cuda_cells_free(&one, NULL);
 }
 
 static void periodic_row(bench *b, diagram *d)
@@ -262,6 +306,8 @@ static void row(bench *b, diagram *d, int kind, int weighted)
     pbw_cuda_free(&d->mesh, NULL);
     pbw_free(&mesh);
     all_row(b, d);
+    host_row(b, d, 0);
+    host_row(b, d, PBW_CUDA_FACETS);
     periodic_row(b, d);
     if (!weighted) {
         lloyd_row(b, d);
@@ -277,16 +323,18 @@ int main(int argc, char **argv)
                                          "terrain:3:200000", "lattice:3:1000000", "clusters:3:1000000",
                                          "uniform:2:1000000", "uniform:2:10000000" };
     const char *const *rows = usual;
-    int i, row_count = (int)(sizeof usual / sizeof usual[0]);
+    int i, k, row_count = (int)(sizeof usual / sizeof usual[0]);
     uint64_t keep = UINT64_MAX;
     struct cudaDeviceProp properties;
-    bench b = { 5, 30, 0, 1000000, NULL };
+    bench b = { 5, 30, 1, 0, 1000000, NULL };
     for (i = 1; i + 1 < argc && argv[i][0] == '-'; i += 2) {
         const double number = atof(argv[i + 1]);
         if (strcmp(argv[i], "--cpu") == 0) {
             b.cpu_most = (size_t)number;
         } else {
-            *(strcmp(argv[i], "--runs") == 0 ? &b.runs : &b.steps) = (int)fmin(fmax(number, 1), RUNS_MOST);
+            const int most = strcmp(argv[i], "--cards") == 0 ? 16 : RUNS_MOST;
+            *(strcmp(argv[i], "--runs") == 0 ? &b.runs : most == 16 ? &b.cards : &b.steps)
+                = (int)fmin(fmax(number, 1), most);
         }
     }
     if (cudaGetDeviceProperties(&properties, 0) != cudaSuccess
@@ -294,7 +342,11 @@ int main(int argc, char **argv)
         printf("skipped: no CUDA device\n");
         return 0;
     }
-    cudaMemPoolSetAttribute(b.pool, cudaMemPoolAttrReleaseThreshold, &keep);
+    for (k = 0; k < b.cards; k++) {                  /* pools keep their memory */
+        cudaMemPool_t pool;
+        b.fault |= cudaDeviceGetDefaultMemPool(&pool, k) != cudaSuccess
+                || cudaMemPoolSetAttribute(pool, cudaMemPoolAttrReleaseThreshold, &keep) != cudaSuccess;
+    }
     printf("%s\n", properties.name);
     if (i < argc) {
         rows = (const char *const *)argv + i;

@@ -584,6 +584,51 @@ static void test_walls(size_t count)
     free(weights);
 }
 
+/* Cells on several cards, or several times on one, are those of one card; fewer points than cards, too. */
+static void test_cards(size_t count, int devices)
+{
+    double *points = (double *)zoo_grow(NULL, count * 3 * sizeof *points);
+    double *weights = (double *)zoo_grow(NULL, count * sizeof *weights);
+    const size_t counts[3] = { count, 5, 0 };
+    int dim, cards, i;
+    for (dim = 2; dim <= 3; dim++) {
+        for (cards = 2; cards <= 3; cards++) {
+            if (test_begin("cells: %dD on %d cards of %d", dim, cards, devices)) {
+                const int list[3] = { 0, devices - 1, 0 };
+                const double box[6] = { 0.1, 0.1, 0.1, 0.9, 0.9, 0.9 };
+                pbw_options options;
+                memset(&options, 0, sizeof options);
+                options.backend = pbw_cuda_backend_multi(list, cards);
+                input_fill(INPUT_UNIFORM, dim, count, (uint64_t)test_seed, points);
+                input_fill_weights(INPUT_WEIGHTS_HIDING, dim, count, (uint64_t)test_seed, points, weights);
+                for (i = 0; i < 12; i++) {
+                    const double *w = i % 2 != 0 ? weights : NULL, *in = i % 4 < 2 ? box : NULL;
+                    const unsigned facets = i % 3 != 0;
+                    pbw_mesh mesh;
+                    pbw_cells cpu;
+                    pbw_cuda_cells gpu;
+                    pbw_domain domain;
+                    pbw_status expected;
+                    memset(&domain, 0, sizeof domain);
+                    domain.box = in;
+                    expected = pbw_triangulate(dim, points, w, counts[i % 3], NULL, &mesh);
+                    CHECK(expected == PBW_OK || expected == PBW_DEGENERATE);
+                    expected = pbw_cells_of(&mesh, &domain, facets, NULL, &cpu);
+                    CHECK_EQUAL(pbw_cuda_cells_of_host(dim, points, w, counts[i % 3], in, 0, facets, &options,
+                                                       pbw_triangulate, &gpu), expected);
+                    same_cells(&cpu, &gpu, 1);
+                    pbw_cuda_cells_free(&gpu, NULL);
+                    pbw_cells_free(&cpu);
+                    pbw_free(&mesh);
+                }
+                test_end();
+            }
+        }
+    }
+    free(points);
+    free(weights);
+}
+
 int main(int argc, char **argv)
 {
     int devices = 0;
@@ -599,6 +644,7 @@ int main(int argc, char **argv)
     test_loop(count);
     test_periodic(20000);
     test_walls(20000);
+    test_cards(count, devices);
     test_zoo();
     test_kinds(count);
     return test_finish();
