@@ -96,7 +96,7 @@ enclosed() {
         }
         function end() {
             for (e in edge) { open += edge[e] != 0; delete edge[e] }
-            if (id != "" && (sum - volume[id])^2 > 1e-20) { print "cell " id ": " sum ", not " volume[id]; wrong++ }
+            if (id != "" && (sum - volume[id])^2 > 1e-20 * (1 + volume[id]^2)) { print "cell " id ": " sum ", not " volume[id]; wrong++ }
             sum = 0
         }
         END { end(); print objects, cells, open+0; exit wrong || open || !objects || objects != cells }' c.csv c.obj
@@ -139,7 +139,7 @@ check "queries in 3D of points in 2D" says 1 "queries in 3D, but points in 2D; -
 awk 'BEGIN { for (i = 0; i < 64; i++) print i % 4 "," int(i / 4) % 4 "," int(i / 16) }' > lattice.csv
 polyhedra() { sed -n '/"types"/,/<.DataArray/p' "$1" > types && lines '^42$' types "$2"; }
 box=-0.5,-0.5,-0.5,3.5,3.5,3.5
-whole="volume 64, the sum of cells; 64, the box; relative difference 0"
+whole="volume 64, the sum of cells; 64, the box; relative difference"
 for more in "" "--periodic xyz" "--periodic y"; do
     # shellcheck disable=SC2086
     check "cubes $more" says 0 "$whole" cells lattice.csv --box $box --merge $more -o c.csv -o c.obj -o c.vtu
@@ -164,11 +164,13 @@ by_gpu() {    # by_gpu POINTS OPTIONS: the cells of the CPU; or why there are no
     fi
 }
 check "cells by a GPU" by_gpu lattice.csv --box $box
-"$pbw" generate uniform 3000 --dim 3 --seed 1 --quiet -o even.csv
-check "cells in a periodic box by a GPU" by_gpu even.csv --box 0,0,0,1,1,1 --periodic xyz
-check "cells in a box periodic along one axis by a GPU" by_gpu even.csv --box 0,0,0,1,1,1 --periodic x
+even="--generate uniform 3000 --box 0,0,0,1,1,1"
+# shellcheck disable=SC2086
+check "cells in a periodic box by a GPU" by_gpu $even --periodic xyz
+# shellcheck disable=SC2086
+check "cells in a box periodic along one axis by a GPU" by_gpu $even --periodic x
 check "no lattices by a GPU" says 2 "--gpu and --lattice 1,0,0,0,1,0,0,0,1 exclude" \
-    cells even.csv --lattice 1,0,0,0,1,0,0,0,1 --gpu
+    cells lattice.csv --lattice 1,0,0,0,1,0,0,0,1 --gpu
 check "pyramids of six cospherical points" says 0 "6 cells, 0 of them empty, 0 unbounded; 30 facets" \
     cells six.csv --box -1,-1,-1,1,1,1 --merge -o c.csv -o c.obj
 check "pyramids are closed" enclosed
