@@ -4182,7 +4182,7 @@ static pbw_status pbw__order(pbw__context *context, const pbw__input *input, pbw
     ordering.context = context;
     ordering.input = input;
     ordering.vertices = vertices;
-    ordering.tasks = pbw__tasks(context, input->count, 16384);
+    ordering.tasks = pbw__tasks(context, input->count, 4096);
     ordering.index_bits = pbw__index_bits(input->count);
     ordering.bits = pbw__grid_bits(ordering.index_bits, dim);
     memset(vertices, 0, sizeof(*vertices));
@@ -4457,8 +4457,7 @@ static PBW__NOINLINE int pbw__may_delete_all(pbw__kernel *kernel, const pbw__car
 
    Each span of ranks has a region of slots: a star takes the slots of its cavity, and what it needs more from the
    region of its vertex.  Ranks follow the Hilbert curve; so simplices close in space are close in memory, and the
-   output finds them nearly in order.  Past the regions lies the tail, for regions that are
-   full.
+   output finds them nearly in order.  Past the regions lies the tail, for regions that are full.
    ------------------------------------------------------------------------------------------------------ */
 /* Resizes the store to `needed` simplices. */
 static PBW__NOINLINE pbw_status pbw__store_reserve(pbw__context *context, pbw__store *store, size_t needed)
@@ -9099,10 +9098,12 @@ PBWDEF pbw_status pbw_order(int dim, const double *points, size_t count, const p
      PBW__SIMD_INLINE           query live        lanes
      pbw__simd_works            query live        lanes
      pbw__splat                 query live        lanes
-     pbw__advise                live              memory
      pbw__allocate              check query live  memory
      pbw__allocate_large        check query live  memory
+     pbw__block                 live              memory
+     pbw__block_of              live              memory
      pbw__context               check query live  memory
+     pbw__populate              live              memory
      PBW__RELEASE               query live        memory
      pbw__release               check query live  memory
      PBW__RESIZE                query live        memory
@@ -9195,7 +9196,6 @@ PBWDEF pbw_status pbw_order(int dim, const double *points, size_t count, const p
      PBW__SIMPLEX_LIMIT         live              mesh
      pbw__slots                 live              mesh
      pbw__store                 live              mesh
-     pbw__free_slot             live              slots
      pbw__grow_lists            live              slots
      pbw__leave_cavity          live              slots
      pbw__region_bits           live              slots

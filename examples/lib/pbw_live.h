@@ -50,6 +50,7 @@
      >>report     what a commit changed
      >>hints      where walks start, and what batches prefetch
      >>tasks      a batch of changes by many threads
+     >>places     the vertices by their coordinates
      >>change     a batch of queued changes, vertex by vertex
      >>moves      points that keep their neighbours, or most
      >>commit     queued changes carried out
@@ -363,15 +364,82 @@ PBW__INLINE unsigned pbwl__facets_fit(const pbw_index *t, unsigned k, const pbw_
                                  | ((a[0] == b[2]) & (a[1] == b[1]) & (a[2] == b[0])));
 }
 
+/* ---- arrays by many threads; completes even if the call is cancelled */
+typedef struct pbwl__setting { unsigned char *start; size_t bytes; int value, tasks; } pbwl__setting;
+
+static void pbwl__set_share(void *arg, int task)
+{
+    const pbwl__setting *setting = (const pbwl__setting *)arg;
+    const size_t from = pbw__share(setting->bytes, task, setting->tasks);
+    memset(setting->start + from, setting->value, pbw__share(setting->bytes, task + 1, setting->tasks) - from);
+}
+
+static void pbwl__set_bytes(pbw__context *context, void *start, int value, size_t bytes)
+{
+    pbwl__setting setting = { (unsigned char *)start, bytes, value, 1 };
+    setting.tasks = pbw__tasks(context, bytes, 262144);
+    pbw__for(context, setting.tasks, pbwl__set_share, &setting);
+}
+
+/* Lists those of a range of items that are wanted, from index `at` of a list on, or only counts them if at is
+   PBWL__COUNT.  Returns how many they are. */
+typedef size_t pbwl__list_body(void *arg, size_t from, size_t to, size_t at);
+#define PBWL__COUNT ((size_t)-1)
+#define PBWL__MOST_SHARES 1024                       /* four for each of 256 threads */
+
+typedef struct pbwl__listing {
+    pbwl__list_body *body;
+    void *arg;
+    size_t count, first[PBWL__MOST_SHARES + 1];      /* first: per share, the index of its first item in the list */
+    int tasks, counting;
+} pbwl__listing;
+
+static void pbwl__list_share(void *arg, int task)
+{
+    pbwl__listing *listing = (pbwl__listing *)arg;
+    const size_t from = pbw__share(listing->count, task, listing->tasks);
+    const size_t to = pbw__share(listing->count, task + 1, listing->tasks);
+    if (listing->counting) {
+        listing->first[task + 1] = listing->body(listing->arg, from, to, PBWL__COUNT);
+    } else {
+        (void)listing->body(listing->arg, from, to, listing->first[task]);
+    }
+}
+
+/* Lists the wanted ones of `count` items in their order.  Returns how many they are. */
+static size_t pbwl__list(pbw__context *context, size_t count, pbwl__list_body *body, void *arg)
+{
+    pbwl__listing listing;
+    int i;
+    listing.tasks = pbw__tasks(context, count, 4096);
+    if (listing.tasks == 1) {
+        return body(arg, 0, count, 0);
+    }
+    listing.body = body;
+    listing.arg = arg;
+    listing.count = count;
+    listing.first[0] = 0;
+    for (listing.counting = 1; listing.counting >= 0; listing.counting--) {
+        pbw__for(context, listing.tasks, pbwl__list_share, &listing);
+        for (i = 0; i < listing.tasks && listing.counting; i++) {
+            listing.first[i + 1] += listing.first[i];
+        }
+    }
+    return listing.first[listing.tasks];
+}
+
 /* ---- the journal */
 /* Makes `touched` as long as the store; new entries are 0. */
 static int pbwl__journal_reserve(pbwl__core *core)
 {
     const size_t old = core->touched_capacity;
+    if (core->store.capacity <= old) {
+        return 1;
+    }
     if (!PBWL__CORE_GROW(core, touched, core->store.capacity)) {
         return 0;
     }
-    memset(core->touched + old, 0, core->touched_capacity - old);
+    pbwl__set_bytes(core->kernel.context, core->touched + old, 0, core->touched_capacity - old);
     return 1;
 }
 
@@ -477,20 +545,79 @@ static size_t pbwl__count_finite(const pbw__kernel *kernel)
     return finite;
 }
 
-/* Makes the list of free slots again. */
-static void pbwl__list_free_slots(pbwl__core *core)
+/* What a share of the slots has: a chain of free ones, and the last finite simplex. */
+#define PBWL__MOST_SLOTS_SHARES 64
+typedef struct pbwl__slots_share {
+    size_t free_count, simplex_count;
+    pbw_index list, last, finite;
+} pbwl__slots_share;
+
+typedef struct pbwl__slots_scan {
+    pbwl__core *core;
+    int incident, tasks;                             /* incident: find incident simplices, too */
+    pbwl__slots_share share[PBWL__MOST_SLOTS_SHARES];
+} pbwl__slots_scan;
+
+PBW__INLINE void pbwl__scan_slots_of(pbwl__slots_scan *scan, int task, int dim)
+{
+    const pbw__kernel *kernel = &scan->core->kernel;
+    const size_t count = scan->core->store.count, end = pbw__share(count, task + 1, scan->tasks);
+    pbw_index *incident = scan->incident ? scan->core->incident : NULL;
+    pbwl__slots_share share = { 0, 0, PBW_NONE, PBW_NONE, PBW_NONE };
+    size_t t;
+    int k;
+    for (t = pbw__share(count, task, scan->tasks); t < end; t++) {
+        pbw_index *corner = kernel->corner + 4 * t;
+        kernel->mark[t] = 0;
+        if (corner[0] == PBW_NONE) {
+            corner[1] = share.list;
+            share.list = (pbw_index)t;
+            share.last = share.free_count++ == 0 ? (pbw_index)t : share.last;
+        } else if (corner[dim] != PBW__GHOST) {
+            share.simplex_count++;
+            share.finite = (pbw_index)t;
+            for (k = 0; k <= dim && incident != NULL; k++) {
+                PBW__STORE(incident + corner[k], (pbw_index)t);
+            }
+        }
+    }
+    scan->share[task] = share;
+}
+
+static void pbwl__scan_slots_share(void *arg, int task)
+{
+    pbwl__slots_scan *scan = (pbwl__slots_scan *)arg;
+    PBW__BY_DIM(scan->core->kernel.dim, pbwl__scan_slots_of, scan, task);
+}
+
+/* Makes the list of free slots again, and counts the simplices.  incident: makes simplices incident to their corners,
+   too, any one of those at a vertex. */
+static void pbwl__scan_slots(pbwl__core *core, int incident)
 {
     pbw__kernel *kernel = &core->kernel;
+    const int tasks = pbw__tasks(kernel->context, core->store.count, 16384);
+    pbwl__slots_scan scan;
     size_t t;
+    int i;
     for (t = 0; t <= core->tasks; t++) {
         pbw__slots *slots = &(t < core->tasks ? core->task[t] : core)->kernel.slots;
         slots->free_count = slots->tail = slots->tail_end = 0;
         slots->free_list = PBW_NONE;
     }
-    for (t = 0; t < core->store.count; t++) {        /* the last is taken first: see >>change */
-        kernel->mark[t] = 0;
-        if (kernel->corner[4 * t] == PBW_NONE) {
-            pbw__free_slot(kernel, (pbw_index)t);
+    scan.core = core;
+    scan.incident = incident;
+    scan.tasks = tasks < PBWL__MOST_SLOTS_SHARES ? tasks : PBWL__MOST_SLOTS_SHARES;
+    pbw__for(kernel->context, scan.tasks, pbwl__scan_slots_share, &scan);
+    core->simplex_count = 0;
+    for (i = 0; i < scan.tasks; i++) {               /* the last is taken first: see >>change */
+        const pbwl__slots_share *share = scan.share + i;
+        core->simplex_count += share->simplex_count;
+        kernel->last = share->finite != PBW_NONE ? share->finite : kernel->last;
+        if (share->free_count > 0) {
+            kernel->corner[4 * (size_t)share->last + 1] = kernel->slots.free_list;
+            kernel->slots.free_last = kernel->slots.free_count == 0 ? share->last : kernel->slots.free_last;
+            kernel->slots.free_list = share->list;
+            kernel->slots.free_count += share->free_count;
         }
     }
 }
@@ -588,10 +715,10 @@ static void pbwl__journal_undo(pbwl__core *core)
     for (i = 0; i < core->hidden_count; i++) {
         core->incident[core->hidden[i]] = PBW_NONE;
     }
-    core->simplex_count = core->saved_simplices;
     if (any) {
-        pbwl__list_free_slots(core);
+        pbwl__scan_slots(core, 0);
     }
+    core->simplex_count = core->saved_simplices;
     kernel->last = PBW_NONE;
     pbwl__journal_clear(core);
 }
@@ -1613,31 +1740,32 @@ static void pbwl__gathered_free(pbw_memory *memory, pbwl__gathered *gathered)
     memset(gathered, 0, sizeof(*gathered));
 }
 
-static int pbwl__gathered_create(pbw_memory *memory, pbwl__gathered *gathered, size_t room, int dim)
+static int pbwl__gathered_create(pbw__context *context, pbwl__gathered *gathered, size_t room, int dim)
 {
+    pbw__block block[3];
     gathered->room = room;
     gathered->count = 0;
     gathered->dim = (size_t)dim;
-    gathered->points = (double *)pbw__allocate(memory, room * gathered->dim, sizeof(double));
-    gathered->weights = (double *)pbw__allocate(memory, room, sizeof(double));
-    gathered->list = (pbw_index *)pbw__allocate(memory, room, sizeof(pbw_index));
-    if (gathered->points == NULL || gathered->weights == NULL || gathered->list == NULL) {
-        return 0;
-    }
-    pbw__advise(memory, gathered->points, room * gathered->dim * sizeof(double));
-    pbw__advise(memory, gathered->weights, room * sizeof(double));
-    pbw__advise(memory, gathered->list, room * sizeof(pbw_index));
-    return 1;
+    gathered->points = (double *)pbw__allocate(&context->memory, room * gathered->dim, sizeof(double));
+    gathered->weights = (double *)pbw__allocate(&context->memory, room, sizeof(double));
+    gathered->list = (pbw_index *)pbw__allocate(&context->memory, room, sizeof(pbw_index));
+    block[0] = pbw__block_of(gathered->points, 0, room * gathered->dim * sizeof(double));
+    block[1] = pbw__block_of(gathered->weights, 0, room * sizeof(double));
+    block[2] = pbw__block_of(gathered->list, 0, room * sizeof(pbw_index));
+    pbw__populate(context, block, 3);
+    return gathered->points != NULL && gathered->weights != NULL && gathered->list != NULL;
 }
 
-PBW__INLINE void pbwl__gathered_add(pbwl__gathered *gathered, pbw_index id, const double *x, double weight)
+/* Sets the point at index `at`. */
+PBW__INLINE void pbwl__gathered_set(const pbwl__gathered *gathered, size_t at, pbw_index id, const double *x,
+                                    double weight)
 {
-    double *to = gathered->points + gathered->count * gathered->dim;
+    double *to = gathered->points + at * gathered->dim;
     to[0] = x[0];
     to[1] = x[1];
     to[gathered->dim - 1] = x[gathered->dim - 1];
-    gathered->weights[gathered->count] = weight;
-    gathered->list[gathered->count++] = id;
+    gathered->weights[at] = weight;
+    gathered->list[at] = id;
 }
 
 static void pbwl__gathered_input(const pbwl__gathered *gathered, int weighted, pbw__input *input)
@@ -1653,21 +1781,10 @@ static void pbwl__gathered_input(const pbwl__gathered *gathered, int weighted, p
 static pbw_status pbwl__core_scan(pbwl__core *core)
 {
     pbw__kernel *kernel = &core->kernel;
-    const size_t dim = (size_t)kernel->dim;
-    size_t t, k;
     pbw_index v, container;
-    core->simplex_count = 0;
-    for (t = 0; t < core->store.count; t++) {
-        const pbw_index *corner = kernel->corner + 4 * t;
-        if (corner[0] != PBW_NONE && corner[dim] != PBW__GHOST) {
-            for (k = 0; k <= dim; k++) {
-                core->incident[corner[k]] = (pbw_index)t;
-            }
-            core->simplex_count++;
-            kernel->last = (pbw_index)t;
-        }
-    }
-    pbwl__list_free_slots(core);
+    pbwl__set_bytes(kernel->context, core->incident, 0xff,           /* PBW_NONE */
+                    core->incident_capacity * sizeof(pbw_index));
+    pbwl__scan_slots(core, 1);
     if (!pbwl__journal_reserve(core)) {
         return PBW_ERROR_MEMORY;
     }
@@ -1723,14 +1840,26 @@ static void pbwl__core_take_share(void *arg, int task)
     PBW__BY_DIM(taking->core->kernel.dim, pbwl__core_take_of, taking, task);
 }
 
-/* Makes room for vertices and numbers. */
+/* Makes room for vertices and numbers in a new core. */
 static int pbwl__core_reserve(pbwl__core *core, size_t records, size_t numbers)
 {
-    if (!PBWL__CORE_GROW(core, incident, records) || !PBWL__CORE_GROW(core, link_index, records)
-        || !PBWL__CORE_GROW(core, vertex, numbers) || !PBWL__CORE_GROW(core, twin, numbers)) {
+    pbw__context *context = core->kernel.context;
+    pbw__block block[4];
+    core->incident_capacity = core->link_index_capacity = records;
+    core->vertex_capacity = core->twin_capacity = numbers;
+    core->incident = (pbw_index *)pbw__allocate(&context->memory, records, sizeof(pbw_index));
+    core->link_index = (pbw_index *)pbw__allocate(&context->memory, records, sizeof(pbw_index));
+    core->vertex = (pbw_index *)pbw__allocate(&context->memory, numbers, sizeof(pbw_index));
+    core->twin = (pbw_index *)pbw__allocate(&context->memory, numbers, sizeof(pbw_index));
+    block[0] = pbw__block_of(core->incident, 0, records * sizeof(pbw_index));
+    block[1] = pbw__block_of(core->link_index, 0, records * sizeof(pbw_index));
+    block[2] = pbw__block_of(core->vertex, 0, numbers * sizeof(pbw_index));
+    block[3] = pbw__block_of(core->twin, 0, numbers * sizeof(pbw_index));
+    pbw__populate(context, block, 4);
+    if (core->incident == NULL || core->link_index == NULL || core->vertex == NULL || core->twin == NULL) {
         return 0;
     }
-    memset(core->link_index, 0, core->link_index_capacity * sizeof(pbw_index));
+    pbwl__set_bytes(context, core->link_index, 0, records * sizeof(pbw_index));
     return 1;
 }
 
@@ -1799,7 +1928,7 @@ static pbw_status pbwl__core_pack(pbw__context *context, pbwl__core *core, pbw__
     if (!PBW__RESIZE(memory, store, mark, store->capacity)) {
         return PBW_ERROR_MEMORY;
     }
-    memset(store->mark, 0, store->capacity);
+    pbwl__set_bytes(context, store->mark, 0, store->capacity);
     return status;
 }
 
@@ -1851,9 +1980,6 @@ static pbw_status pbwl__core_build(pbw__context *context, pbwl__gathered *gather
               : pbwl__core_take(core, &vertices, gathered->list);
         status = taken != PBW_OK ? taken : status;
         pbwl__gathered_free(&context->memory, gathered);
-    }
-    if (status == PBW_OK) {
-        memset(core->incident, 0xff, core->incident_capacity * sizeof(pbw_index));           /* PBW_NONE */
     }
     if (status == PBW_OK && core->kernel.dim == 3 && sizeof(pbw__link) == sizeof(pbw_index)) {
         status = pbwl__core_pack(context, core, &vertices);
@@ -2282,7 +2408,8 @@ static pbw_status pbwl__verify_windows(pbwl__verifying *verifying)
 {
     pbwl__core *core = verifying->core;
     pbw__context *context = core->kernel.context;
-    const size_t count = core->store.count, most = PBW__SMALLER(PBWL__VERIFIED) * (size_t)context->threads;
+    const size_t count = core->store.count, least = PBW__SMALLER(PBWL__VERIFIED);
+    const size_t most = least * (size_t)context->threads;
     const size_t room = 4 * ((count < most ? count : most) + 4);
     pbw_status status = PBW_OK;
     int k;
@@ -2291,12 +2418,13 @@ static pbw_status pbwl__verify_windows(pbwl__verifying *verifying)
         verifying->scale /= core->high[k] - core->low[k];
     }
     verifying->scale = verifying->scale >= 1e-300 && verifying->scale <= 1e300 ? verifying->scale : 1.0;
-    verifying->depth = (float *)pbw__allocate_large(context, room, sizeof(float));
+    verifying->depth = (float *)pbw__allocate(&context->memory, room, sizeof(float));
     if (verifying->depth == NULL) {
         return PBW_ERROR_MEMORY;
     }
     for (verifying->from = 0; verifying->from < count && status == PBW_OK; verifying->from = verifying->to) {
-        const size_t rest = count - verifying->from, length = rest < most ? rest : most;
+        const size_t rest = count - verifying->from, wanted = verifying->from == 0 ? least : most;
+        const size_t length = rest < wanted ? rest : wanted;         /* little if the first window fails */
         const double done = 0.5 * (double)verifying->from / (double)count;
         verifying->to = verifying->from + length;
         status = pbw__for_range(context, length, 4096, done, pbwl__verify_depths, verifying);
@@ -2586,124 +2714,199 @@ static pbw_status pbwl__reserve(pbw_live *live, size_t count, size_t queued)
         ? PBW_OK : PBW_ERROR_MEMORY;
 }
 
-static void pbwl__queue(pbw_live *live, pbw_index id)
-{
-    if ((live->state[id] & PBWL__QUEUED) == 0) {
-        live->state[id] |= PBWL__QUEUED;
-        live->queue[live->queue_count++] = id;
-    }
-}
-
-PBW__INLINE int pbwl__all_finite(const double *x, size_t count)
+PBW__INLINE double pbwl__zero_if_finite(const double *x, size_t count)
 {
     double sum = 0.0;
     size_t i;
     for (i = 0; i < count; i++) {
         sum += x[i] - x[i];
     }
-    return sum == 0.0;
+    return sum;
+}
+
+PBW__INLINE int pbwl__all_finite(const double *x, size_t count)
+{
+    return pbwl__zero_if_finite(x, count) == 0.0;
+}
+
+/* What is being queued: insertions if `fresh`, else removals if points is NULL, else moves. */
+typedef struct pbwl__queueing {
+    pbw_live *live;
+    const double *points, *weights;
+    const pbw_index *ids;                            /* NULL: all numbers */
+    pbw_index *new_ids;                              /* may be NULL */
+    size_t spare;                                    /* numbers that insertions may take again */
+    int fresh, mixed;                                /* mixed: the numbers do not ascend, so some may be equal */
+} pbwl__queueing;
+
+/* Returns the i-th number. */
+PBW__INLINE size_t pbwl__queued_number(const pbwl__queueing *queueing, size_t i)
+{
+    const pbw_live *live = queueing->live;
+    return !queueing->fresh ? (queueing->ids != NULL ? queueing->ids[i] : i)
+         : i < queueing->spare ? live->spare[live->spare_count - 1 - i] : live->count + (i - queueing->spare);
+}
+
+/* Returns the status for a range of what is to be queued. */
+PBW__INLINE pbw_status pbwl__queue_check_of(pbwl__queueing *queueing, size_t from, size_t to, int dims)
+{
+    const pbw_live *live = queueing->live;
+    const pbw_index *ids = queueing->ids;
+    const size_t dim = (size_t)dims;
+    double sum = 0.0;
+    size_t i;
+    if (queueing->fresh) {
+        return pbwl__all_finite(queueing->points + from * dim, (to - from) * dim)
+            && (queueing->weights == NULL || pbwl__all_finite(queueing->weights + from, to - from))
+             ? PBW_OK : PBW_ERROR_NOT_FINITE;
+    }
+    for (i = from; i < to; i++) {
+        const size_t id = ids != NULL ? ids[i] : i;
+        const int stays = id < live->count && (live->state[id] & PBWL__KEPT) != 0;
+        if (!stays && ids != NULL) {
+            return PBW_ERROR_ARGUMENT;
+        }
+        if (ids != NULL && i > 0 && ids[i - 1] >= id && !PBW__LOAD(&queueing->mixed)) {
+            PBW__STORE(&queueing->mixed, 1);
+        }
+        sum += !stays || queueing->points == NULL ? 0.0 : pbwl__zero_if_finite(queueing->points + i * dim, dim);
+    }
+    return sum == 0.0 ? PBW_OK : PBW_ERROR_NOT_FINITE;
+}
+
+static pbw_status pbwl__queue_check(void *arg, size_t from, size_t to)
+{
+    pbwl__queueing *queueing = (pbwl__queueing *)arg;
+    return PBW__BY_DIM(queueing->live->dim, pbwl__queue_check_of, queueing, from, to);
+}
+
+/* Returns whether a number occurs twice. */
+static int pbwl__occurs_twice(pbw_live *live, const pbw_index *ids, size_t count)
+{
+    size_t i, j;
+    for (i = 0; i < count && (live->state[ids[i]] & PBWL__KEPT) != 0; i++) {
+        live->state[ids[i]] &= (unsigned char)~PBWL__KEPT;
+    }
+    for (j = 0; j < i; j++) {
+        live->state[ids[j]] |= PBWL__KEPT;
+    }
+    return i < count;
+}
+
+/* Queues a range, and lists the numbers that are new in the queue. */
+PBW__INLINE size_t pbwl__queue_range_of(const pbwl__queueing *queueing, size_t from, size_t to, size_t at, int dims)
+{
+    pbw_live *live = queueing->live;
+    const double *points = queueing->points;
+    const unsigned kept = points != NULL ? PBWL__KEPT : 0;
+    const size_t dim = (size_t)dims;
+    size_t found = 0, i, k;
+    for (i = from; i < to; i++) {
+        const size_t id = pbwl__queued_number(queueing, i);
+        const unsigned state = queueing->fresh ? PBWL__KEPT : live->state[id];
+        if ((state & PBWL__KEPT) == 0) {
+            continue;                                /* a move of an unused number */
+        }
+        if (at != PBWL__COUNT) {
+            for (k = 0; k < dim && kept; k++) {
+                live->point[id * dim + k] = points[i * dim + k] + 0.0;       /* no -0.0 */
+            }
+            if ((state & PBWL__QUEUED) == 0) {
+                live->queue[live->queue_count + at + found] = (pbw_index)id;
+            }
+            live->state[id] = (unsigned char)((state & ~PBWL__KEPT) | kept | PBWL__QUEUED);
+        }
+        if (at != PBWL__COUNT && queueing->fresh) {
+            live->weight[id] = queueing->weights != NULL ? queueing->weights[i] + 0.0 : 0.0;
+        }
+        if (at != PBWL__COUNT && queueing->new_ids != NULL) {
+            queueing->new_ids[i] = (pbw_index)id;
+        }
+        found += (state & PBWL__QUEUED) == 0;
+    }
+    return found;
+}
+
+static size_t pbwl__queue_range(void *arg, size_t from, size_t to, size_t at)
+{
+    const pbwl__queueing *queueing = (const pbwl__queueing *)arg;
+    return PBW__BY_DIM(queueing->live->dim, pbwl__queue_range_of, queueing, from, to, at);
+}
+
+/* Queues `count` changes, all or nothing; numbers: how many there will be. */
+static pbw_status pbwl__queue(pbwl__queueing *queueing, size_t count, size_t numbers)
+{
+    pbw_live *live = queueing->live;
+    pbw__context context;
+    pbw_status status = pbwl__reserve(live, numbers, live->queue_count + count);
+    if (status != PBW_OK) {
+        return status;
+    }
+    pbw__context_start(&context, &live->options, count / 2);         /* a thread has little to do */
+    context.options.progress = NULL;
+    context.memory = live->memory;
+    status = pbw__for_range(&context, count, PBW__SMALLER(4096), 0.0, pbwl__queue_check, queueing);
+    if (status == PBW_OK && queueing->mixed && queueing->points == NULL
+        && pbwl__occurs_twice(live, queueing->ids, count)) {
+        status = PBW_ERROR_ARGUMENT;
+    }
+    if (status == PBW_OK) {
+        live->queue_count += queueing->mixed ? pbwl__queue_range(queueing, 0, count, 0)
+                                             : pbwl__list(&context, count, pbwl__queue_range, queueing);
+    }
+    pbw__team_stop(&context);
+    live->memory = context.memory;
+    return status;
 }
 
 PBWDEF pbw_status pbw_live_insert(pbw_live *live, const double *points, const double *weights, size_t count,
                                   pbw_index *ids)
 {
-    size_t dim, i, k;
+    pbwl__queueing queueing = { NULL, NULL, NULL, NULL, NULL, 0, 1, 0 };
+    size_t numbers;
     pbw_status status;
     if (live == NULL || (points == NULL && count != 0)) {
         return PBW_ERROR_ARGUMENT;
     }
-    dim = (size_t)live->dim;
-    status = count > (size_t)-1 / 256 ? PBW_ERROR_TOO_LARGE
-           : pbwl__reserve(live, live->count + (count > live->spare_count ? count - live->spare_count : 0),
-                           live->queue_count + count);
-    if (status != PBW_OK) {
-        return status;
+    if (count > (size_t)-1 / 256) {
+        return PBW_ERROR_TOO_LARGE;
     }
-    if (!pbwl__all_finite(points, count * dim) || (weights != NULL && !pbwl__all_finite(weights, count))) {
-        return PBW_ERROR_NOT_FINITE;
+    queueing.live = live;
+    queueing.points = points;
+    queueing.weights = weights;
+    queueing.new_ids = ids;
+    queueing.spare = count < live->spare_count ? count : live->spare_count;
+    numbers = live->count + (count - queueing.spare);
+    status = pbwl__queue(&queueing, count, numbers);
+    if (status == PBW_OK) {
+        live->weighted |= weights != NULL;
+        live->spare_count -= queueing.spare;
+        live->count = numbers;
     }
-    live->weighted |= weights != NULL;
-    for (i = 0; i < count; i++) {
-        const pbw_index id = live->spare_count > 0 ? live->spare[--live->spare_count] : (pbw_index)live->count++;
-        for (k = 0; k < dim; k++) {
-            live->point[id * dim + k] = points[i * dim + k] + 0.0;       /* no -0.0 */
-        }
-        live->weight[id] = weights != NULL ? weights[i] + 0.0 : 0.0;
-        live->state[id] = PBWL__KEPT;
-        pbwl__queue(live, id);
-        if (ids != NULL) {
-            ids[i] = id;
-        }
-    }
-    return PBW_OK;
-}
-
-/* Returns whether all of these are numbers of points that stay. */
-static int pbwl__all_stay(const pbw_live *live, const pbw_index *ids, size_t count)
-{
-    size_t i;
-    for (i = 0; i < count; i++) {
-        if (ids[i] >= live->count || (live->state[ids[i]] & PBWL__KEPT) == 0) {
-            return 0;
-        }
-    }
-    return 1;
+    return status;
 }
 
 PBWDEF pbw_status pbw_live_remove(pbw_live *live, const pbw_index *ids, size_t count)
 {
-    size_t i;
-    pbw_status status;
-    if (live == NULL || (ids == NULL && count != 0) || count > live->count || !pbwl__all_stay(live, ids, count)) {
+    pbwl__queueing queueing = { NULL, NULL, NULL, NULL, NULL, 0, 0, 0 };
+    if (live == NULL || (ids == NULL && count != 0) || count > live->count) {
         return PBW_ERROR_ARGUMENT;
     }
-    status = pbwl__reserve(live, live->count, live->queue_count + count);
-    if (status != PBW_OK) {
-        return status;
-    }
-    for (i = 0; i < count && (live->state[ids[i]] & PBWL__KEPT) != 0; i++) {
-        live->state[ids[i]] &= (unsigned char)~PBWL__KEPT;
-    }
-    if (i < count) {                                 /* a number occurs twice */
-        while (i-- > 0) {
-            live->state[ids[i]] |= PBWL__KEPT;
-        }
-        return PBW_ERROR_ARGUMENT;
-    }
-    for (i = 0; i < count; i++) {
-        pbwl__queue(live, ids[i]);
-    }
-    return PBW_OK;
+    queueing.live = live;
+    queueing.ids = ids;
+    return pbwl__queue(&queueing, count, live->count);
 }
 
 PBWDEF pbw_status pbw_live_move(pbw_live *live, const pbw_index *ids, const double *points, size_t count)
 {
-    size_t dim, i, k;
-    pbw_status status;
-    if (live == NULL || (points == NULL && count != 0) || (ids == NULL && count != live->count)
-        || (ids != NULL && !pbwl__all_stay(live, ids, count))) {
+    pbwl__queueing queueing = { NULL, NULL, NULL, NULL, NULL, 0, 0, 0 };
+    if (live == NULL || (points == NULL && count != 0) || (ids == NULL && count != live->count)) {
         return PBW_ERROR_ARGUMENT;
     }
-    dim = (size_t)live->dim;
-    for (i = 0; i < count; i++) {
-        if ((ids != NULL || (live->state[i] & PBWL__KEPT) != 0) && !pbwl__all_finite(points + i * dim, dim)) {
-            return PBW_ERROR_NOT_FINITE;
-        }
-    }
-    status = pbwl__reserve(live, live->count, live->queue_count + count);
-    if (status != PBW_OK) {
-        return status;
-    }
-    for (i = 0; i < count; i++) {
-        const pbw_index id = ids != NULL ? ids[i] : (pbw_index)i;
-        if ((live->state[id] & PBWL__KEPT) != 0) {
-            for (k = 0; k < dim; k++) {
-                live->point[id * dim + k] = points[i * dim + k] + 0.0;
-            }
-            pbwl__queue(live, id);
-        }
-    }
-    return PBW_OK;
+    queueing.live = live;
+    queueing.points = points;
+    queueing.ids = ids;
+    return pbwl__queue(&queueing, count, live->count);
 }
 
 /* ------------------------------------------------------------------------------------------------------
@@ -3181,14 +3384,15 @@ PBW__INLINE pbw_index pbwl__nearer_start(pbwl__core *core, pbw_index a, pbw_inde
    The ghost has no owner: the task that owns the other vertices of a ghost simplex deletes it.
    ------------------------------------------------------------------------------------------------------ */
 #define PBWL__GROUP 8                                /* changes that are claimed and prefetched together */
-#define PBWL__LEAST_CHANGES PBW__SMALLER((size_t)256) /* a task must have so many to pay off */
+#define PBWL__LEAST_CHANGES 256                      /* a task must have so many to pay off; in later rounds, when */
+#define PBWL__LEAST_LEFT 64                          /* the threads run, so many */
 
 typedef struct pbwl__changing {
     void *arg;
     /* near: returns a vertex near the i-th change, or 0.  change: makes it; on PBW__DEFERRED nothing has changed. */
     pbw_index (*near)(void *arg, pbwl__core *core, size_t i);
     pbw_status (*change)(void *arg, pbwl__core *core, size_t i, pbw_index near);
-    size_t count, slots, most_effort;                /* slots: per change; a task without free ones leaves changes */
+    size_t count, slots, most_effort;                /* slots: per change; a task without free ones stops */
     double begin, end;                               /* of the stage's progress */
     /* of a round */
     pbwl__core *core;
@@ -3260,12 +3464,12 @@ static void pbwl__batch_task(void *arg, int part)
     pbwl__changing *batch = (pbwl__changing *)arg;
     pbwl__core *core = batch->core->task[part];
     pbw__kernel *kernel = &core->kernel;
-    size_t from = PBW__ADD(&batch->next, batch->grain), count;
-    while (from < batch->round_count && kernel->status == PBW_OK && !PBW__LOAD(&batch->stop)) {
+    size_t from, count;
+    while (kernel->status == PBW_OK && !PBW__LOAD(&batch->stop) && !kernel->slots.no_room   /* others may have room */
+           && (from = PBW__ADD(&batch->next, batch->grain)) < batch->round_count) {
         const size_t rest = batch->round_count - from;
         kernel->status = pbwl__batch_range(batch, core, batch->which, from,
                                            from + (rest < batch->grain ? rest : batch->grain));
-        from = PBW__ADD(&batch->next, batch->grain);
     }
     count = kernel->left_count;
     kernel->left_count = 0;                          /* once more: other tasks have moved on */
@@ -3274,24 +3478,6 @@ static void pbwl__batch_task(void *arg, int part)
     }
     if (kernel->status != PBW_OK) {
         PBW__STORE(&batch->stop, 1);
-    }
-}
-
-/* Moves the free slots of a task to the core's list. */
-static void pbwl__collect_slots(pbwl__core *core, pbwl__core *task)
-{
-    pbw__slots *slots = &task->kernel.slots, *all = &core->kernel.slots;
-    while (slots->tail < slots->tail_end) {
-        core->kernel.mark[slots->tail] = 0;
-        pbw__free_slot(&core->kernel, (pbw_index)slots->tail++);
-    }
-    if (slots->free_count > 0) {
-        core->kernel.corner[4 * (size_t)slots->free_last + 1] = all->free_list;
-        all->free_last = all->free_count == 0 ? slots->free_last : all->free_last;
-        all->free_list = slots->free_list;
-        all->free_count += slots->free_count;
-        slots->free_list = PBW_NONE;
-        slots->free_count = 0;
     }
 }
 
@@ -3308,29 +3494,30 @@ static void pbwl__move_slots(const pbwl__core *core, pbwl__core *from, pbwl__cor
     }
 }
 
-/* Gives free slots to the tasks of a round.  Each keeps its own between rounds, as walking a list takes time; slots
-   beyond its needs go to others. */
+/* Gives free slots to the tasks of a round.  Each keeps its own from batch to batch, and takes what it lacks from the
+   tail of the store, as walking a list takes time.  What the tail lacks comes from the core's list, then from tasks
+   with more than they need. */
 static void pbwl__share_slots(const pbwl__changing *batch)
 {
     pbwl__core *core = batch->core;
     const size_t parts = (size_t)batch->parts, wanted = batch->slots * (batch->round_count / parts) + 64;
+    const size_t tail = core->store.capacity - core->store.count;
     size_t missing = 0, part;
-    for (part = 0; part < core->tasks; part++) {
-        const size_t have = core->task[part]->kernel.slots.free_count;
-        missing += part < parts && have < wanted ? wanted - have : 0;
-        if (part >= parts) {
-            pbwl__collect_slots(core, core->task[part]);
-        }
-    }
-    for (part = 0; part < parts && missing > core->kernel.slots.free_count; part++) {
-        const size_t have = core->task[part]->kernel.slots.free_count;
-        const size_t surplus = have > wanted ? have - wanted : 0, more = missing - core->kernel.slots.free_count;
-        pbwl__move_slots(core, core->task[part], core, surplus < more ? surplus : more);
-    }
     for (part = 0; part < parts; part++) {
         const size_t have = core->task[part]->kernel.slots.free_count;
-        const size_t share = core->kernel.slots.free_count / (parts - part), less = have < wanted ? wanted - have : 0;
+        missing += have < wanted ? wanted - have : 0;
+    }
+    missing = missing > tail ? missing - tail : 0;
+    for (part = core->tasks; part-- > 0 && missing > core->kernel.slots.free_count; ) {
+        const size_t have = core->task[part]->kernel.slots.free_count, needs = part < parts ? wanted : 0;
+        const size_t surplus = have > needs ? have - needs : 0, more = missing - core->kernel.slots.free_count;
+        pbwl__move_slots(core, core->task[part], core, surplus < more ? surplus : more);
+    }
+    for (part = 0; part < parts && missing > 0; part++) {
+        const size_t have = core->task[part]->kernel.slots.free_count;
+        const size_t share = missing / (parts - part), less = have < wanted ? wanted - have : 0;
         pbwl__move_slots(core, core, core->task[part], less < share ? less : share);
+        missing -= core->task[part]->kernel.slots.free_count - have;
     }
 }
 
@@ -3376,13 +3563,30 @@ static pbw_status pbwl__task_end(pbwl__core *core, pbwl__core *task)
     return kernel->status;
 }
 
+/* Lists the changes that no task has taken, because all were out of slots, as those that are left.  `which` may be
+   that list itself. */
+static pbw_status pbwl__keep_untaken(const pbwl__changing *batch)
+{
+    pbw__kernel *main = &batch->core->kernel;
+    const size_t next = batch->next, untaken = next < batch->round_count ? batch->round_count - next : 0;
+    size_t i;
+    main->left_count = 0;
+    if (!PBW__GROW(main, main, left, untaken)) {
+        return PBW_ERROR_MEMORY;
+    }
+    for (i = next; i < batch->round_count; i++) {
+        main->left[main->left_count++] = batch->which != NULL ? batch->which[i] : (pbw_index)i;
+    }
+    return PBW_OK;
+}
+
 /* Makes cores for the tasks, and enough slots. */
 static pbw_status pbwl__batch_room(const pbwl__changing *batch)
 {
     pbwl__core *core = batch->core;
     pbw__context *context = core->kernel.context;
     pbw__store *store = &core->store;
-    const size_t parts = (size_t)batch->parts, wanted = batch->slots * batch->round_count + 2048 * parts;
+    const size_t parts = (size_t)batch->parts, wanted = batch->slots * batch->round_count + 128 * parts;
     size_t have = core->kernel.slots.free_count + store->capacity - store->count, needed, part;
     pbw_status status = PBW_OK;
     for (part = 0; part < core->tasks; part++) {
@@ -3420,7 +3624,7 @@ static pbw_status pbwl__batch_round(pbwl__changing *batch)
 {
     pbwl__core *core = batch->core;
     pbw__context *context = core->kernel.context;
-    const size_t vertices = core->vertex_count + 1, grain = batch->round_count / (size_t)(8 * batch->parts);
+    const size_t vertices = core->vertex_count + 1, grain = batch->round_count / (size_t)(24 * batch->parts);
     uint8_t *owner;
     pbw_status status = pbwl__batch_room(batch);
     int part;
@@ -3439,7 +3643,7 @@ static pbw_status pbwl__batch_round(pbwl__changing *batch)
         pbwl__task_begin(batch, part, owner);
     }
     pbw__for(context, batch->parts, pbwl__batch_task, batch);
-    core->kernel.left_count = 0;
+    status = pbwl__keep_untaken(batch);
     core->kernel.last = PBW_NONE;
     for (part = 0; part < batch->parts; part++) {
         const pbw_status ended = pbwl__task_end(core, core->task[part]);
@@ -3450,9 +3654,9 @@ static pbw_status pbwl__batch_round(pbwl__changing *batch)
 }
 
 /* Returns the number of tasks for so many changes: 1 with weights, as hidden points are for one thread. */
-static int pbwl__batch_parts(const pbwl__core *core, size_t count)
+static int pbwl__batch_parts(const pbwl__core *core, size_t count, size_t least)
 {
-    const size_t most = count / PBWL__LEAST_CHANGES;
+    const size_t most = count / PBW__SMALLER(least);
     const size_t threads = (size_t)core->kernel.context->threads;
     const size_t parts = threads < PBW__NOBODY ? threads : PBW__NOBODY;
     return core->kernel.weighted ? 1 : (int)(most < parts ? most : parts);
@@ -3463,84 +3667,34 @@ static pbw_status pbwl__batch_all(pbwl__core *core, pbwl__changing *batch, int a
 {
     pbw__kernel *kernel = &core->kernel;
     pbw_status status = PBW_OK;
-    size_t before, part;
+    size_t before, needed, part;
     batch->core = core;
     batch->stop = 0;
     batch->which = again ? kernel->left : NULL;
     batch->round_count = again ? kernel->left_count : batch->count;
-    batch->parts = pbwl__batch_parts(core, batch->round_count);
+    batch->parts = pbwl__batch_parts(core, batch->round_count, again ? PBWL__LEAST_LEFT : PBWL__LEAST_CHANGES);
     while (batch->parts > 1 && status == PBW_OK) {
         before = batch->round_count;
         status = pbwl__batch_round(batch);
         batch->which = kernel->left;
         batch->round_count = kernel->left_count;
-        batch->parts = 4 * batch->round_count < 3 * before ? pbwl__batch_parts(core, batch->round_count) : 1;
+        batch->parts = 4 * batch->round_count >= 3 * before ? 1
+                     : pbwl__batch_parts(core, batch->round_count, PBWL__LEAST_LEFT);
     }
-    for (part = 0; part < core->tasks && kernel->slots.free_count < batch->slots * batch->round_count + 64; part++) {
-        pbwl__collect_slots(core, core->task[part]);
+    needed = batch->slots * batch->round_count + 64;
+    for (part = 0; part < core->tasks && kernel->slots.free_count < needed; part++) {
+        pbwl__move_slots(core, core->task[part], core, needed - kernel->slots.free_count);
     }
     kernel->left_count = 0;
     return status == PBW_OK ? pbwl__batch_range(batch, core, batch->which, 0, batch->round_count) : status;
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   >>change       A batch of queued changes, vertex by vertex.
-   In: a live triangulation with a queue.  Out: its core with the changes, and which simplices these made and
-   deleted; or both as they were.
-
-   Points at one place have one vertex, that of the largest weight, then of the lowest number.  A batch first updates
-   the numbers of all places, which tells the vertices that leave and arrive; then it removes and inserts these, each
-   along the curve.  Writes to tables are noted as edits, deleted simplices in the journal: both are undone if
-   something fails.
+   >>places       The vertices by their coordinates: a hash table.
+   In: a core, coordinates.  Out: the vertex there, if there is one.
+   Holds: each vertex that is not removed has an entry.  Removed and moved vertices may have old ones, which a look-up
+   passes by.
    ------------------------------------------------------------------------------------------------------ */
-typedef struct pbwl__classes { pbw_live *live; size_t leave, arrive; } pbwl__classes;
-
-/* Marks and counts those in the queue that leave a place, and those that arrive at one. */
-static pbw_status pbwl__classify_range(void *arg, size_t from, size_t to)
-{
-    pbwl__classes *classes = (pbwl__classes *)arg;
-    pbw_live *live = classes->live;
-    size_t leave = 0, arrive = 0, i;
-    for (i = from; i < to; i++) {
-        const pbw_index id = live->queue[i];
-        const unsigned state = live->state[id] & (PBWL__COMMITTED | PBWL__KEPT | PBWL__QUEUED);
-        const int lives = (state & PBWL__COMMITTED) != 0, stays = (state & PBWL__KEPT) != 0;
-        const int moves = lives && stays && !pbw__same_place(pbwl__point(live, id),
-                                                             pbwl__core_record(&live->core, live->core.vertex[id]),
-                                                             live->dim);
-        const unsigned leaves = lives && (moves || !stays), arrives = stays && (moves || !lives);
-        live->state[id] = (unsigned char)(state | leaves * PBWL__OLD_PLACE | arrives * PBWL__NEW_PLACE);
-        leave += leaves;
-        arrive += arrives;
-        pbwl__prefetch(live, i, to);
-    }
-    (void)PBW__ADD(&classes->leave, leave);
-    (void)PBW__ADD(&classes->arrive, arrive);
-    return PBW_OK;
-}
-
-static pbw_index *pbwl__entry(pbw_live *live, unsigned table, size_t at)
-{
-    pbwl__core *core = &live->core;
-    return (table == PBWL__EDIT_VERTEX ? core->vertex : table == PBWL__EDIT_TWIN ? core->twin : core->place) + at;
-}
-
-/* Writes to a table of the core and notes the edit.  Returns 0 if memory is short. */
-static int pbwl__set(pbw_live *live, unsigned table, size_t at, pbw_index value)
-{
-    pbw_index *entry = pbwl__entry(live, table, at);
-    pbwl__edit *edit;
-    if (!PBWL__GROW(live, edit, live->edit_count + 1)) {
-        return 0;
-    }
-    edit = live->edit + live->edit_count++;
-    edit->table = table;
-    edit->at = (pbw_index)at;
-    edit->old = *entry;
-    *entry = value;
-    return 1;
-}
-
 PBW__INLINE size_t pbwl__place_slot(const pbwl__core *core, const double *x)
 {
     return (size_t)(pbw__hash_doubles(0, x, core->kernel.dim) >> 20) & (core->place_capacity - 1);
@@ -3644,25 +3798,92 @@ PBW__INLINE void pbwl__place_prefetch(const pbwl__core *core, const double *x, i
     }
 }
 
-/* Makes room for a batch that changes `more` places.  new_vertices: they may need some, and are looked up. */
-static pbw_status pbwl__batch_reserve(pbw_live *live, size_t more, int new_vertices)
+/* ------------------------------------------------------------------------------------------------------
+   >>change       A batch of queued changes, vertex by vertex.
+   In: a live triangulation with a queue.  Out: its core with the changes, and which simplices these made and
+   deleted; or both as they were.
+
+   Points at one place have one vertex, that of the largest weight, then of the lowest number.  A batch first updates
+   the numbers of all places, which tells the vertices that leave and arrive; then it removes and inserts these, each
+   along the curve.  Writes to tables are noted as edits, deleted simplices in the journal: both are undone if
+   something fails.
+   ------------------------------------------------------------------------------------------------------ */
+typedef struct pbwl__classes { pbw_live *live; size_t leave, arrive; } pbwl__classes;
+
+/* Marks and counts those in the queue that leave a place, and those that arrive at one. */
+static pbw_status pbwl__classify_range(void *arg, size_t from, size_t to)
+{
+    pbwl__classes *classes = (pbwl__classes *)arg;
+    pbw_live *live = classes->live;
+    size_t leave = 0, arrive = 0, i;
+    for (i = from; i < to; i++) {
+        const pbw_index id = live->queue[i];
+        const unsigned state = live->state[id] & (PBWL__COMMITTED | PBWL__KEPT | PBWL__QUEUED);
+        const int lives = (state & PBWL__COMMITTED) != 0, stays = (state & PBWL__KEPT) != 0;
+        const int moves = lives && stays && !pbw__same_place(pbwl__point(live, id),
+                                                             pbwl__core_record(&live->core, live->core.vertex[id]),
+                                                             live->dim);
+        const unsigned leaves = lives && (moves || !stays), arrives = stays && (moves || !lives);
+        live->state[id] = (unsigned char)(state | leaves * PBWL__OLD_PLACE | arrives * PBWL__NEW_PLACE);
+        leave += leaves;
+        arrive += arrives;
+        pbwl__prefetch(live, i, to);
+    }
+    (void)PBW__ADD(&classes->leave, leave);
+    (void)PBW__ADD(&classes->arrive, arrive);
+    return PBW_OK;
+}
+
+static pbw_index *pbwl__entry(pbw_live *live, unsigned table, size_t at)
 {
     pbwl__core *core = &live->core;
-    const size_t vertices = core->vertex_count + (new_vertices ? more : 0) + 1, width = (size_t)live->dim + 1;
+    return (table == PBWL__EDIT_VERTEX ? core->vertex : table == PBWL__EDIT_TWIN ? core->twin : core->place) + at;
+}
+
+PBW__INLINE pbwl__edit pbwl__edit_of(unsigned table, size_t at, pbw_index old)
+{
+    const pbwl__edit edit = { (pbw_index)table, (pbw_index)at, old };
+    return edit;
+}
+
+/* Writes to a table of the core and notes the edit.  Returns 0 if memory is short. */
+static int pbwl__set(pbw_live *live, unsigned table, size_t at, pbw_index value)
+{
+    pbw_index *entry = pbwl__entry(live, table, at);
+    if (!PBWL__GROW(live, edit, live->edit_count + 1)) {
+        return 0;
+    }
+    live->edit[live->edit_count++] = pbwl__edit_of(table, at, *entry);
+    *entry = value;
+    return 1;
+}
+
+/* Makes room for `more` vertices beside the unused ones. */
+static int pbwl__vertex_reserve(pbwl__core *core, size_t more)
+{
+    const size_t vertices = core->vertex_count + (more > core->unused_count ? more - core->unused_count : 0) + 1;
     const size_t old = core->link_index_capacity;
-    const int enough = vertices < PBWL__VERTEX_REMOVED && PBWL__CORE_GROW(core, vertex, live->count)
-        && PBWL__CORE_GROW(core, twin, live->count) && PBWL__CORE_GROW(core, record, vertices * width)
+    const int enough = vertices < PBWL__VERTEX_REMOVED
+        && PBWL__CORE_GROW(core, record, vertices * ((size_t)core->kernel.dim + 1))
         && PBWL__CORE_GROW(core, name, vertices) && PBWL__CORE_GROW(core, incident, vertices)
-        && PBWL__CORE_GROW(core, link_index, vertices) && PBWL__CORE_GROW(core, neighbor, vertices)
-        && PBWL__CORE_GROW(core, link_vertex, more + 1)
+        && PBWL__CORE_GROW(core, link_index, vertices) && PBWL__CORE_GROW(core, neighbor, vertices);
+    core->kernel.record = core->record;              /* it may have moved even if memory ran short later */
+    memset(core->link_index + old, 0, (core->link_index_capacity - old) * sizeof(pbw_index));
+    return enough;
+}
+
+/* Makes room for a batch that changes `more` places, with so many new vertices.  lookup: places are looked up. */
+static pbw_status pbwl__batch_reserve(pbw_live *live, size_t more, size_t new_vertices, int lookup)
+{
+    pbwl__core *core = &live->core;
+    const int enough = pbwl__vertex_reserve(core, new_vertices) && PBWL__CORE_GROW(core, vertex, live->count)
+        && PBWL__CORE_GROW(core, twin, live->count) && PBWL__CORE_GROW(core, link_vertex, more + 1)
         && PBWL__CORE_GROW(core, unused, core->unused_count + more)
         && PBWL__CORE_GROW(core, next_hidden, core->hidden_count)
         && PBWL__CORE_GROW(core, next_container, core->hidden_count) && PBWL__GROW(live, head, more + 1)
         && PBWL__GROW(live, leaving, more + 1) && PBWL__GROW(live, arriving, more + 1)
         && PBWL__GROW(live, joining, more + 1);
-    core->kernel.record = core->record;              /* it may have moved even if memory ran short later */
-    memset(core->link_index + old, 0, (core->link_index_capacity - old) * sizeof(pbw_index));
-    return !enough ? PBW_ERROR_MEMORY : new_vertices ? pbwl__place_reserve(live, more) : PBW_OK;
+    return !enough ? PBW_ERROR_MEMORY : lookup ? pbwl__place_reserve(live, more) : PBW_OK;
 }
 
 /* Adds a vertex to the list of those with changes, link_vertex, unless it is there.  Returns where it is.  head: the
@@ -3775,61 +3996,100 @@ static int pbwl__elect(pbw_live *live, size_t at)
     return pbwl__set(live, PBWL__EDIT_PLACE, pbwl__place_find(core, pbwl__core_record(core, v)), other);
 }
 
+/* A list that is being sorted along the curve by the points base[list[i] * stride]. */
+typedef struct pbwl__curve_sort {
+    const double *base;
+    size_t stride;
+    pbw_index *list, *order;                         /* order: see pbwl__sort */
+    pbwl__gathered gathered;
+    pbw__vertices vertices;
+} pbwl__curve_sort;
+
+static pbw_status pbwl__sort_gather(void *arg, size_t from, size_t to)
+{
+    const pbwl__curve_sort *sort = (const pbwl__curve_sort *)arg;
+    const pbwl__gathered *gathered = &sort->gathered;
+    size_t i;
+    for (i = from; i < to; i++) {
+        PBW__PREFETCH(sort->base + sort->list[i + 16 < to ? i + 16 : i] * sort->stride);
+        pbwl__gathered_set(gathered, i, sort->list[i], sort->base + sort->list[i] * sort->stride, 0.0);
+    }
+    return PBW_OK;
+}
+
+static pbw_status pbwl__sort_permute(void *arg, size_t from, size_t to)
+{
+    const pbwl__curve_sort *sort = (const pbwl__curve_sort *)arg;
+    size_t i;
+    for (i = from; i < to; i++) {
+        sort->list[i] = sort->gathered.list[sort->vertices.id[i + 1]];
+        if (sort->order != NULL) {
+            sort->order[i] = sort->vertices.id[i + 1];
+        }
+    }
+    return PBW_OK;
+}
+
 /* Sorts a list along the curve by the points base[list[i] * stride].  order (may be NULL) gets for each entry its
    index before. */
 static pbw_status pbwl__sort(const pbw_live *live, const double *base, size_t stride, pbw_index *list, size_t count,
                              pbw_index *order)
 {
     pbw__context *context = live->core.kernel.context;
-    const size_t dim = (size_t)live->dim;
     const pbw_stage stage = context->stage;
-    pbwl__gathered gathered;
+    pbwl__curve_sort sort;
     pbw__input input;
-    pbw__vertices vertices;
     pbw_status status = PBW_ERROR_MEMORY;
     size_t i;
-    for (i = 0; i < count && order != NULL; i++) {
+    for (i = 0; i < count && order != NULL && count < 3; i++) {
         order[i] = (pbw_index)i;
     }
     if (count < 3) {
         return PBW_OK;
     }
-    memset(&gathered, 0, sizeof(gathered));
-    if (pbwl__gathered_create(&context->memory, &gathered, count, live->dim)) {
-        for (i = 0; i < count; i++) {
-            PBW__PREFETCH(base + list[i + 16 < count ? i + 16 : i] * stride);
-            memcpy(gathered.points + i * dim, base + list[i] * stride, dim * sizeof(double));
-        }
-        gathered.count = count;
-        pbwl__gathered_input(&gathered, 0, &input);
+    memset(&sort, 0, sizeof(sort));
+    sort.base = base;
+    sort.stride = stride;
+    sort.list = list;
+    sort.order = order;
+    if (pbwl__gathered_create(context, &sort.gathered, count, live->dim)) {
+        sort.gathered.count = count;
+        pbwl__gathered_input(&sort.gathered, 0, &input);
         input.bare = 1;
-        status = pbw__enter_stage(context, PBW_STAGE_ORDER) ? PBW_CANCELLED : pbw__order(context, &input, &vertices);
+        status = pbw__enter_stage(context, PBW_STAGE_ORDER) ? PBW_CANCELLED
+               : pbw__for_range(context, count, PBW__SMALLER(4096), 0.0, pbwl__sort_gather, &sort);
+        status = status == PBW_OK ? pbw__order(context, &input, &sort.vertices) : status;
     }
     if (status == PBW_OK) {
-        memcpy(gathered.list, list, count * sizeof(pbw_index));
-        for (i = 0; i < count; i++) {
-            list[i] = gathered.list[vertices.id[i + 1]];
-        }
-        if (order != NULL) {
-            memcpy(order, vertices.id + 1, count * sizeof(pbw_index));
-        }
-        pbw__vertices_free(context, &vertices);
-        status = pbw__enter_stage(context, stage) ? PBW_CANCELLED : PBW_OK;
+        status = pbw__for_range(context, count, PBW__SMALLER(4096), 0.0, pbwl__sort_permute, &sort);
+        pbw__vertices_free(context, &sort.vertices);
+        status = status != PBW_OK || pbw__enter_stage(context, stage) ? PBW_CANCELLED : PBW_OK;
     }
-    pbwl__gathered_free(&context->memory, &gathered);
+    pbwl__gathered_free(&context->memory, &sort.gathered);
     return status;
+}
+
+/* Lists the numbers of a range of the queue that arrive. */
+static size_t pbwl__list_arrivals(void *arg, size_t from, size_t to, size_t at)
+{
+    const pbw_live *live = (const pbw_live *)arg;
+    size_t found = 0, i;
+    for (i = from; i < to; i++) {
+        if ((live->state[live->queue[i]] & PBWL__NEW_PLACE) != 0) {
+            if (at != PBWL__COUNT) {
+                live->joining[at + found] = live->queue[i];
+            }
+            found++;
+        }
+    }
+    return found;
 }
 
 /* Lists the numbers that arrive, along the curve, so that their vertices are in this order too. */
 static pbw_status pbwl__batch_arrivals(pbw_live *live)
 {
-    size_t i, count = 0;
-    for (i = 0; i < live->queue_count; i++) {
-        live->joining[count] = live->queue[i];
-        count += (live->state[live->queue[i]] & PBWL__NEW_PLACE) != 0;
-    }
-    live->joining_count = count;
-    return pbwl__sort(live, live->point, (size_t)live->dim, live->joining, count, NULL);
+    live->joining_count = pbwl__list(live->core.kernel.context, live->queue_count, pbwl__list_arrivals, live);
+    return pbwl__sort(live, live->point, (size_t)live->dim, live->joining, live->joining_count, NULL);
 }
 
 /* Returns the vertex for the i-th number that arrives: first the unused ones, then new ones. */
@@ -3879,29 +4139,25 @@ static pbw_status pbwl__arrive_enter(void *arg, size_t from, size_t to)
             live->arriving[i] = 0;
             continue;
         }
-        edit[3 * i].at = at;
-        edit[3 * i + 1].at = edit[3 * i + 2].at = id;
-        edit[3 * i + 1].old = core->vertex[id];
-        edit[3 * i + 2].old = core->twin[id];
+        edit[3 * i] = pbwl__edit_of(PBWL__EDIT_PLACE, at, 0);
+        edit[3 * i + 1] = pbwl__edit_of(PBWL__EDIT_VERTEX, id, core->vertex[id]);
+        edit[3 * i + 2] = pbwl__edit_of(PBWL__EDIT_TWIN, id, core->twin[id]);
         core->vertex[id] = v;
         core->twin[id] = id;
     }
     return PBW_OK;
 }
 
-/* Adds edits that are filled in later; the i-th is of table[i % tables].  Returns 0 if memory is short. */
-static int pbwl__edits(pbw_live *live, size_t count, const unsigned *table, size_t tables)
+/* Adds edits that are filled in later; until then there is nothing to undo.  Returns 0 if memory is short. */
+static int pbwl__edits(pbw_live *live, size_t count)
 {
-    size_t i;
     if (!PBWL__GROW(live, edit, live->edit_count + count)) {
         return 0;
     }
-    for (i = 0; i < count; i++) {
-        pbwl__edit *edit = live->edit + live->edit_count++;
-        edit->table = table[i % tables];
-        edit->at = PBW_NONE;                         /* nothing to undo yet */
-        edit->old = 0;
+    if (count > 0) {                                 /* PBW_NONE in all members */
+        pbwl__set_bytes(live->core.kernel.context, live->edit + live->edit_count, 0xff, count * sizeof(pbwl__edit));
     }
+    live->edit_count += count;
     return 1;
 }
 
@@ -3909,14 +4165,13 @@ static int pbwl__edits(pbw_live *live, size_t count, const unsigned *table, size
    has the vertices that they did not need. */
 static pbw_status pbwl__batch_arrive(pbw_live *live)
 {
-    static const unsigned table[3] = { PBWL__EDIT_PLACE, PBWL__EDIT_VERTEX, PBWL__EDIT_TWIN };
     pbwl__core *core = &live->core;
     pbw__context *context = core->kernel.context;
     const size_t count = live->joining_count, used = count < live->saved_unused ? count : live->saved_unused;
     pbw_status status;
-    size_t i;
+    size_t i, joins;
     live->joining_count = 0;
-    if (!pbwl__edits(live, 3 * count, table, 3)) {
+    if (!pbwl__edits(live, 3 * count)) {
         return PBW_ERROR_MEMORY;
     }
     live->first_edit = live->edit_count - 3 * count;
@@ -3926,11 +4181,13 @@ static pbw_status pbwl__batch_arrive(pbw_live *live)
     status = pbw__for_range(context, count, PBW__SMALLER(2048), 0.0, pbwl__arrive_make, live);
     status = status == PBW_OK ? pbw__for_range(context, count, PBW__SMALLER(2048), 0.0, pbwl__arrive_enter, live)
                               : status;
-    for (i = 0; i < count && status == PBW_OK; i++) {
+    for (i = joins = 0; i < count && status == PBW_OK; i++) {
         if (live->arriving[i] == 0) {
             core->incident[pbwl__arrive_vertex(live, i)] = PBWL__VERTEX_REMOVED;
+            joins++;
         }
     }
+    status = status == PBW_OK && !pbwl__vertex_reserve(core, joins) ? PBW_ERROR_MEMORY : status;
     for (i = 0; i < count && status == PBW_OK; i++) {
         if (live->arriving[i] != 0) {
             live->arriving[live->arriving_count++] = live->arriving[i];
@@ -3943,30 +4200,60 @@ static pbw_status pbwl__batch_arrive(pbw_live *live)
     return status;
 }
 
-/* Lists the vertices that leave and arrive, and updates the numbers of places. */
-static pbw_status pbwl__batch_plan(pbw_live *live)
+/* Lists the vertices of those in a range of the queue that leave and are alone at their place. */
+static size_t pbwl__list_leaving(void *arg, size_t from, size_t to, size_t at)
+{
+    const pbw_live *live = (const pbw_live *)arg;
+    const pbwl__core *core = &live->core;
+    size_t found = 0, i;
+    for (i = from; i < to; i++) {
+        const pbw_index id = live->queue[i], far = live->queue[i + 32 < to ? i + 32 : i];
+        const pbw_index near = live->queue[i + 16 < to ? i + 16 : i];
+        PBW__PREFETCH(live->state + far);
+        PBW__PREFETCH(core->twin + far);
+        PBW__PREFETCH(core->vertex + far);
+        if ((live->state[near] & PBWL__OLD_PLACE) != 0) {
+            PBW__PREFETCH_TO_WRITE(core->link_index + core->vertex[near]);
+        }
+        if ((live->state[id] & PBWL__OLD_PLACE) != 0 && core->twin[id] == id) {
+            if (at != PBWL__COUNT) {
+                core->link_vertex[at + found] = core->vertex[id];
+                core->link_index[core->vertex[id]] = (pbw_index)(at + found);
+                live->head[at + found] = PBW_NONE;
+            }
+            found++;
+        }
+    }
+    return found;
+}
+
+/* Lists the vertices that leave and arrive, and updates the numbers of places.  duplicates: some have more than
+   one. */
+static pbw_status pbwl__batch_plan(pbw_live *live, int duplicates)
 {
     pbwl__core *core = &live->core;
-    size_t i;
+    size_t i, alone, shared = 0;
     pbw_status status = pbwl__batch_arrivals(live);
     if (status != PBW_OK) {
         return status;
     }
-    core->link_vertices = 0;
-    for (i = 0; i < live->queue_count; i++) {
-        pbwl__prefetch(live, i, live->queue_count);
-        if ((live->state[live->queue[i]] & PBWL__OLD_PLACE) != 0) {
-            (void)pbwl__affect(live, core->vertex[live->queue[i]], PBW_NONE);
+    core->link_vertices = alone = pbwl__list(core->kernel.context, live->queue_count, pbwl__list_leaving, live);
+    for (i = 0; i < live->queue_count && duplicates; i++) {
+        const pbw_index id = live->queue[i];
+        if ((live->state[id] & PBWL__OLD_PLACE) != 0 && core->twin[id] != id) {
+            (void)pbwl__affect(live, core->vertex[id], PBW_NONE);
         }
     }
-    for (i = 0; i < core->link_vertices; i++) {
-        PBW__PREFETCH(core->name + core->link_vertex[i + 16 < core->link_vertices ? i + 16 : i]);
-        PBW__PREFETCH(core->twin + core->name[core->link_vertex[i + 8 < core->link_vertices ? i + 8 : i]]);
+    for (i = alone; i < core->link_vertices; i++) {
         if (!pbwl__sieve(live, i)) {
             return PBW_ERROR_MEMORY;
         }
     }
     status = pbwl__batch_arrive(live);
+    for (i = 0; i < core->link_vertices; i++) {
+        shared += live->head[i] != PBW_NONE;
+    }
+    status = status == PBW_OK && !pbwl__vertex_reserve(core, shared) ? PBW_ERROR_MEMORY : status;
     for (i = 0; i < core->link_vertices; i++) {
         if (status == PBW_OK && !pbwl__elect(live, i)) {
             return PBW_ERROR_MEMORY;
@@ -4099,12 +4386,12 @@ static pbw_status pbwl__batch_run(pbw_live *live, size_t most_effort)
             core->next_container[core->next_hidden_count++] = core->container[i];
         }
     }
-    pbwl__start_table(core, pbwl__batch_parts(core, live->arriving_count) > 1 ? core->vertex_count
-                                                                            : live->arriving_count);
+    pbwl__start_table(core, pbwl__batch_parts(core, live->arriving_count, PBWL__LEAST_CHANGES) > 1
+                            ? core->vertex_count : live->arriving_count);
     batch.count = live->arriving_count;
     batch.near = pbwl__near_arriving;
     batch.change = pbwl__change_arriving;
-    batch.slots = live->dim == 3 ? 9 : 3;            /* 6.8 and 2 on average; some tasks make more of the changes */
+    batch.slots = live->dim == 3 ? 7 : 2;            /* on average */
     batch.begin = batch.end;
     batch.end = 1.0;
     status = status == PBW_OK ? pbwl__batch_all(core, &batch, 0) : status;
@@ -4148,13 +4435,13 @@ static pbw_status pbwl__batch(pbw_live *live, size_t leave, size_t arrive, size_
 {
     pbwl__core *core = &live->core;
     const int duplicates = core->vertex_count - core->unused_count != live->points;
-    pbw_status status = pbwl__batch_reserve(live, leave + 2 * arrive, arrive > 0 || duplicates);
+    pbw_status status = pbwl__batch_reserve(live, leave + 2 * arrive, arrive, arrive > 0 || duplicates);
     if (status != PBW_OK) {
         return status;
     }
     pbwl__batch_begin(live);
     live->leaving_count = live->arriving_count = 0;
-    status = pbwl__batch_plan(live);
+    status = pbwl__batch_plan(live, duplicates);
     status = status == PBW_OK ? pbwl__batch_run(live, most_effort) : status;
     if (status == PBW_OK && changes != NULL) {
         status = pbwl__batch_changes(live, changes);
@@ -4215,33 +4502,47 @@ static void pbwl__live_exchange(pbw_live *live)
     pbw__for(context, pbw__tasks(context, live->leaving_count, 8192), pbwl__exchange_share, live);
 }
 
-/* Lists the vertices that move.  PBWL__REBUILD: there are other changes, or duplicates or hidden points matter. */
-static pbw_status pbwl__list_moves(pbw_live *live, size_t count)
+typedef struct pbwl__moving { pbw_live *live; int others; } pbwl__moving;
+
+/* Lists the vertices of a range of the queue that move and are alone at their place; notes whether others change. */
+static size_t pbwl__list_moving(void *arg, size_t from, size_t to, size_t at)
 {
+    pbwl__moving *moving = (pbwl__moving *)arg;
+    pbw_live *live = moving->live;
     const pbwl__core *core = &live->core;
     const size_t dim = (size_t)live->dim;
-    size_t i;
-    if (core->hidden_count > 0) {
-        return PBWL__REBUILD;
-    }
-    if (!PBWL__GROW(live, leaving, count) || !PBWL__GROW(live, moved, count * dim)) {
-        return PBW_ERROR_MEMORY;
-    }
-    live->leaving_count = 0;
-    for (i = 0; i < live->queue_count; i++) {
-        const pbw_index id = live->queue[i], soon = live->queue[i + 16 < live->queue_count ? i + 16 : i];
+    size_t found = 0, i;
+    for (i = from; i < to; i++) {
+        const pbw_index id = live->queue[i], soon = live->queue[i + 16 < to ? i + 16 : i];
         const unsigned both = live->state[id] & (PBWL__OLD_PLACE | PBWL__NEW_PLACE);
         PBW__PREFETCH(core->twin + soon);
         PBW__PREFETCH(core->vertex + soon);
         PBW__PREFETCH(pbwl__point(live, soon));
         if (both == (PBWL__OLD_PLACE | PBWL__NEW_PLACE) && core->twin[id] == id) {
-            memcpy(live->moved + live->leaving_count * dim, pbwl__point(live, id), dim * sizeof(double));
-            live->leaving[live->leaving_count++] = core->vertex[id];
+            if (at != PBWL__COUNT) {
+                memcpy(live->moved + (at + found) * dim, pbwl__point(live, id), dim * sizeof(double));
+                live->leaving[at + found] = core->vertex[id];
+            }
+            found++;
         } else if (both != 0) {
-            return PBWL__REBUILD;
+            PBW__STORE(&moving->others, 1);
         }
     }
-    return PBW_OK;
+    return found;
+}
+
+/* Lists the vertices that move.  PBWL__REBUILD: there are other changes, or duplicates or hidden points matter. */
+static pbw_status pbwl__list_moves(pbw_live *live, size_t count)
+{
+    pbwl__moving moving = { live, 0 };
+    if (live->core.hidden_count > 0) {
+        return PBWL__REBUILD;
+    }
+    if (!PBWL__GROW(live, leaving, count) || !PBWL__GROW(live, moved, count * (size_t)live->dim)) {
+        return PBW_ERROR_MEMORY;
+    }
+    live->leaving_count = pbwl__list(live->core.kernel.context, live->queue_count, pbwl__list_moving, &moving);
+    return moving.others ? PBWL__REBUILD : PBW_OK;
 }
 
 /* Moves the listed vertices in place, all or nothing.  PBWL__REBUILD: impossible in place. */
@@ -4396,7 +4697,7 @@ static pbw_status pbwl__shift_enter(void *arg, size_t from, size_t to)
         const double *x = live->moved + i * dim;
         pbwl__place_prefetch(core, live->moved + (i + 16 < to ? i + 16 : i) * dim, 0);
         pbwl__place_prefetch(core, live->moved + (i + 8 < to ? i + 8 : i) * dim, 1);
-        live->edit[i].at = pbwl__place_enter(core, x, live->leaving[i]);
+        live->edit[i] = pbwl__edit_of(PBWL__EDIT_PLACE, pbwl__place_enter(core, x, live->leaving[i]), 0);
         if (live->edit[i].at == PBW_NONE) {
             return PBWL__REBUILD;
         }
@@ -4425,10 +4726,9 @@ static pbw_status pbwl__shift_places(pbw_live *live)
     pbwl__core *core = &live->core;
     pbw__context *context = core->kernel.context;
     const size_t count = live->leaving_count;
-    const unsigned table = PBWL__EDIT_PLACE;
     const int placed = core->place != NULL;
     pbw_status status = PBW_OK;
-    if (placed && !pbwl__edits(live, count, &table, 1)) {
+    if (placed && !pbwl__edits(live, count)) {
         return PBW_ERROR_MEMORY;
     }
     if (placed) {
@@ -4483,7 +4783,7 @@ static pbw_status pbwl__shift(pbw_live *live, size_t count, size_t most_effort, 
     const int placed = core->place != NULL;
     size_t i;
     pbw_status status = core->kernel.weighted ? PBWL__REBUILD : pbwl__list_moves(live, count);
-    status = status == PBW_OK ? pbwl__batch_reserve(live, count, placed) : status;
+    status = status == PBW_OK ? pbwl__batch_reserve(live, count, 0, placed) : status;
     if (status != PBW_OK) {
         return status;
     }
@@ -4527,21 +4827,37 @@ static void pbwl__replace(pbw_live *live, pbw__context *context, const pbwl__cor
     }
 }
 
+typedef struct pbwl__gathering { const pbw_live *live; pbwl__gathered *gathered; } pbwl__gathering;
+
+/* Gathers the points of a range of numbers that stay. */
+static size_t pbwl__gather_kept(void *arg, size_t from, size_t to, size_t at)
+{
+    const pbwl__gathering *gathering = (const pbwl__gathering *)arg;
+    const pbw_live *live = gathering->live;
+    size_t found = 0, i;
+    for (i = from; i < to; i++) {
+        if ((live->state[i] & PBWL__KEPT) != 0) {
+            if (at != PBWL__COUNT) {
+                pbwl__gathered_set(gathering->gathered, at + found, (pbw_index)i, pbwl__point(live, i),
+                                   live->weight[i]);
+            }
+            found++;
+        }
+    }
+    return found;
+}
+
 /* Triangulates the points that stay into another core, which replaces this one. */
 static pbw_status pbwl__rebuild(pbw_live *live, pbw__context *context, pbw_changes *changes)
 {
     pbwl__gathered gathered;
     pbwl__core core;
+    pbwl__gathering gathering = { live, &gathered };
     pbw_status status = PBW_ERROR_MEMORY;
-    size_t i;
     memset(&core, 0, sizeof(core));
     core.kernel.context = context;
-    if (pbwl__gathered_create(&context->memory, &gathered, live->count, live->dim)) {
-        for (i = 0; i < live->count; i++) {
-            if ((live->state[i] & PBWL__KEPT) != 0) {
-                pbwl__gathered_add(&gathered, (pbw_index)i, pbwl__point(live, i), live->weight[i]);
-            }
-        }
+    if (pbwl__gathered_create(context, &gathered, live->count, live->dim)) {
+        gathered.count = pbwl__list(context, live->count, pbwl__gather_kept, &gathering);
         status = pbwl__core_build(context, &gathered, live->weighted, live->count, &core);
     }
     pbwl__gathered_free(&context->memory, &gathered);
@@ -4557,23 +4873,34 @@ static pbw_status pbwl__rebuild(pbw_live *live, pbw__context *context, pbw_chang
     return status;
 }
 
+/* Settles a range of the queue, and lists the numbers that are free from now on. */
+static size_t pbwl__settle_range(void *arg, size_t from, size_t to, size_t at)
+{
+    pbw_live *live = (pbw_live *)arg;
+    const size_t dim = (size_t)live->dim;
+    size_t points = 0, found = 0, i;
+    for (i = from; i < to; i++) {
+        const pbw_index id = live->queue[i];
+        const int lived = (live->state[id] & PBWL__COMMITTED) != 0, stays = (live->state[id] & PBWL__KEPT) != 0;
+        if (at != PBWL__COUNT) {
+            points += (size_t)stays - (size_t)lived;
+            live->state[id] = stays ? PBWL__KEPT | PBWL__COMMITTED : 0;
+            if (!stays) {
+                live->spare[live->spare_count + at + found] = id;
+                memset(live->point + id * dim, 0, dim * sizeof(double));
+                live->weight[id] = 0.0;
+            }
+        }
+        found += (size_t)!stays;
+    }
+    (void)PBW__ADD(&live->points, points);           /* wraps around */
+    return found;
+}
+
 /* Empties the queue after its changes have been carried out. */
 static void pbwl__settle(pbw_live *live)
 {
-    size_t i, k;
-    for (i = 0; i < live->queue_count; i++) {
-        const pbw_index id = live->queue[i];
-        const int lived = (live->state[id] & PBWL__COMMITTED) != 0, stays = (live->state[id] & PBWL__KEPT) != 0;
-        live->points += (size_t)stays - (size_t)lived;
-        live->state[id] = stays ? PBWL__KEPT | PBWL__COMMITTED : 0;
-        if (!stays) {
-            live->spare[live->spare_count++] = id;
-            for (k = 0; k < (size_t)live->dim; k++) {
-                live->point[id * (size_t)live->dim + k] = 0.0;
-            }
-            live->weight[id] = 0.0;
-        }
-    }
+    live->spare_count += pbwl__list(live->core.kernel.context, live->queue_count, pbwl__settle_range, live);
     live->queue_count = 0;
     live->numbers = live->count;
     live->weighted_before = live->weighted;
@@ -4807,12 +5134,12 @@ static pbw_status pbwl__run(pbw_live *live, const pbw_mesh *mesh, pbw_changes *c
     live->core.kernel.context = &context;
     status = !pbw__fp_is_exact() ? PBW_ERROR_FP_MODE : mesh != NULL ? pbwl__load(live, &context, mesh) : PBW_OK;
     status = status == PBW_OK ? pbwl__go(live, &context, changes) : status;
-    pbw__team_stop(&context);
     if (status != PBW_OK && status != PBW_DEGENERATE) {
         pbwl__changes_release(&context.memory, changes);
     } else {
         pbwl__settle(live);
     }
+    pbw__team_stop(&context);
     if (changes != NULL && changes->memory != NULL) {        /* the caller's from here on */
         const pbwl__owned_changes *owned = (const pbwl__owned_changes *)changes->memory;
         context.memory.used -= sizeof(*owned) + (owned->deleted + owned->made + owned->points) * sizeof(pbw_index);
@@ -4964,6 +5291,43 @@ static pbw_status pbwl__view_begin(pbwl__viewing *viewing, pbw__context *context
     return status;
 }
 
+/* Gathers a range of the vertices, the first of which is 1. */
+static size_t pbwl__gather_vertices(void *arg, size_t from, size_t to, size_t at)
+{
+    const pbwl__gathering *gathering = (const pbwl__gathering *)arg;
+    const pbwl__core *core = &gathering->live->core;
+    size_t found = 0, v;
+    for (v = from + 1; v <= to; v++) {
+        if (core->incident[v] != PBWL__VERTEX_REMOVED) {
+            if (at != PBWL__COUNT) {
+                const double *x = pbwl__core_record(core, (pbw_index)v);
+                pbwl__gathered_set(gathering->gathered, at + found, (pbw_index)v, x, x[core->kernel.dim]);
+            }
+            found++;
+        }
+    }
+    return found;
+}
+
+/* Gathers the points of a range of numbers that live and have the vertex of another one, behind the vertices. */
+static size_t pbwl__gather_duplicates(void *arg, size_t from, size_t to, size_t at)
+{
+    const pbwl__gathering *gathering = (const pbwl__gathering *)arg;
+    const pbw_live *live = gathering->live;
+    const pbwl__core *core = &live->core;
+    size_t found = 0, i;
+    for (i = from; i < to; i++) {
+        if ((live->state[i] & PBWL__COMMITTED) != 0 && core->name[core->vertex[i]] != i) {
+            if (at != PBWL__COUNT) {
+                pbwl__gathered_set(gathering->gathered, gathering->gathered->count + at + found, core->vertex[i],
+                                   pbwl__core_record(core, core->vertex[i]), live->weight[i]);
+            }
+            found++;
+        }
+    }
+    return found;
+}
+
 /* Sorts the vertices.  Copies them to `gathered` if some were removed, or if there are duplicates, which count for
    the grid of the keys. */
 static pbw_status pbwl__view_order(const pbw_live *live, pbw__context *context, pbwl__gathered *gathered,
@@ -4971,9 +5335,8 @@ static pbw_status pbwl__view_order(const pbw_live *live, pbw__context *context, 
 {
     const pbwl__core *core = &live->core;
     const size_t width = (size_t)live->dim + 1;
+    pbwl__gathering gathering = { live, gathered };
     pbw__input input;
-    pbw_index v;
-    size_t i;
     if (core->unused_count == 0 && core->vertex_count == live->points) {
         input = pbw__input_of(live->dim, 0, core->record + width, core->record + 2 * width - 1, live->points);
         input.weights = live->weighted_before ? input.weights : NULL;
@@ -4981,18 +5344,12 @@ static pbw_status pbwl__view_order(const pbw_live *live, pbw__context *context, 
         input.bare = 1;
         return pbw__order(context, &input, vertices);
     }
-    if (!pbwl__gathered_create(&context->memory, gathered, live->points, live->dim)) {
+    if (!pbwl__gathered_create(context, gathered, live->points, live->dim)) {
         return PBW_ERROR_MEMORY;
     }
-    for (v = 1; v <= core->vertex_count; v++) {
-        if (core->incident[v] != PBWL__VERTEX_REMOVED) {
-            pbwl__gathered_add(gathered, v, pbwl__core_record(core, v), pbwl__core_record(core, v)[width - 1]);
-        }
-    }
-    for (i = 0; gathered->count < live->points && i < live->numbers; i++) {
-        if ((live->state[i] & PBWL__COMMITTED) != 0 && core->name[core->vertex[i]] != i) {
-            pbwl__gathered_add(gathered, core->vertex[i], pbwl__core_record(core, core->vertex[i]), live->weight[i]);
-        }
+    gathered->count = pbwl__list(context, core->vertex_count, pbwl__gather_vertices, &gathering);
+    if (gathered->count < live->points) {
+        gathered->count += pbwl__list(context, live->numbers, pbwl__gather_duplicates, &gathering);
     }
     pbwl__gathered_input(gathered, live->weighted_before, &input);
     input.bare = core->vertex_count - core->unused_count == live->points;
