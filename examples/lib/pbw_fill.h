@@ -4111,8 +4111,8 @@ static pbw_status pbwfill__add_inside(pbwfill__work *w)
    Tetrahedra that are positive, linked, and bounded by the facets cover what these enclose once, so that signs are
    all that there is to check.
    ------------------------------------------------------------------------------------------------------ */
-enum { PBWFILL__RINGS = 4, PBWFILL__MENDED = 300 };        /* rings of tetrahedra around a turned one, and most of
-                                                              them, that are filled again */
+enum { PBWFILL__CAVITIES = 10,             /* of a turned tetrahedron: those around its edges, then rings around it */
+       PBWFILL__MENDED = 100 };            /* most tetrahedra that are filled again */
 
 /* What points go back to the grid by, and the tetrahedra that the work begins with. */
 typedef struct pbwfill__backup {
@@ -4250,23 +4250,90 @@ static int pbwfill__has_wire(const pbwfill__work *w, const pbwfill__tet *t)
     return 0;
 }
 
-/* Adds the tetrahedra behind the cavity's faces, but for walls.  Returns 0 without memory. */
-static int pbwfill__add_ring(pbwfill__work *w)
+/* Whether a tetrahedron is kept, but not positive. */
+static int pbwfill__is_turned(const pbwfill__work *w, size_t t)
+{
+    const pbw_index *c = w->tets.at[t].v;
+    return c[0] != PBW_NONE && w->region.at[t] != PBW_NONE && pbwfill__orient(w, c[0], c[1], c[2], c[3]) <= 0;
+}
+
+/* Adds the tetrahedra behind the cavity's faces, but for walls; turned: only turned ones, and those behind them.
+   Returns 0 without memory. */
+static int pbwfill__add_ring(pbwfill__work *w, int turned)
 {
     const size_t before = w->cavity.count;
     size_t i;
     unsigned k;
-    for (i = 0; i < before; i++) {
+    for (i = 0; i < (turned ? w->cavity.count : before) && w->cavity.count <= PBWFILL__MENDED; i++) {
         for (k = 0; k < 4; k++) {
             const pbwfill__tet *t = w->tets.at + w->cavity.at[i];
             const pbw_index n = t->n[k];
             if (n != PBW_NONE && t->wall[k] == PBW_NONE && w->seen.at[n] != w->epoch
-                && !pbwfill__has_wire(w, w->tets.at + n)) {
+                && !pbwfill__has_wire(w, w->tets.at + n) && (!turned || pbwfill__is_turned(w, n))) {
                 w->seen.at[n] = w->epoch;
                 if (!PBW_PUSH(&w->memory, w->cavity, n)) {
                     return 0;
                 }
             }
+        }
+    }
+    return 1;
+}
+
+/* Adds the tetrahedra around the edge a-b of t, up to walls.  Returns 0 without memory. */
+static int pbwfill__add_around(pbwfill__work *w, pbw_index t, pbw_index a, pbw_index b)
+{
+    const pbw_index *v = w->tets.at[t].v;
+    const pbw_index others = v[0] ^ v[1] ^ v[2] ^ v[3] ^ a ^ b;
+    unsigned i = 0, side;
+    while (v[i] == a || v[i] == b) {
+        i++;
+    }
+    for (side = 0; side < 2; side++) {
+        pbw_index from = side == 0 ? w->tets.at[t].v[i] : w->tets.at[t].v[i] ^ others, at = t;
+        for (;;) {
+            const pbwfill__tet *tet = w->tets.at + at;
+            const unsigned k = pbwfill__corner_of(tet, from);
+            const pbw_index n = tet->n[k];
+            if (n == PBW_NONE || tet->wall[k] != PBW_NONE || w->seen.at[n] == w->epoch
+                || pbwfill__has_wire(w, w->tets.at + n)) {
+                break;
+            }
+            from = tet->v[0] ^ tet->v[1] ^ tet->v[2] ^ tet->v[3] ^ a ^ b ^ from;
+            at = n;
+            w->seen.at[n] = w->epoch;
+            if (!PBW_PUSH(&w->memory, w->cavity, n)) {
+                return 0;
+            }
+        }
+    }
+    return 1;
+}
+
+/* Makes the next cavity of a turned tetrahedron.  middle: of the edge, if it is around one; else of its vertices. */
+static int pbwfill__next_cavity(pbwfill__work *w, pbw_index t, int number, double middle[3])
+{
+    static const unsigned char edges[6][2] = { { 0, 1 }, { 0, 2 }, { 0, 3 }, { 1, 2 }, { 1, 3 }, { 2, 3 } };
+    const pbw_index *v = w->tets.at[t].v, a = v[edges[number % 6][0]], b = v[edges[number % 6][1]];
+    size_t i;
+    int k;
+    if (number <= 6) {
+        w->epoch += 2;
+        w->seen.at[t] = w->epoch;
+        w->cavity.count = 0;
+        if (!PBW_PUSH(&w->memory, w->cavity, t)) {
+            return 0;
+        }
+    }
+    if (!(number < 6 ? pbwfill__add_around(w, t, a, b)
+          : (number > 6 || pbwfill__add_ring(w, 1)) && pbwfill__add_ring(w, 0))
+        || (w->cavity.count <= PBWFILL__MENDED && !pbwfill__list_faces(w))) {
+        return 0;
+    }
+    for (k = 0; k < 3; k++) {
+        middle[k] = number < 6 ? (pbwfill__at(w, a)[k] + pbwfill__at(w, b)[k]) / 2 : 0;
+        for (i = 0; i < w->rest.count && number >= 6; i++) {
+            middle[k] += (pbwfill__at(w, w->rest.at[i])[k] - middle[k]) / (double)(i + 1);
         }
     }
     return 1;
@@ -4292,18 +4359,13 @@ static int pbwfill__made_of_all(pbwfill__work *w)
     return all;
 }
 
-/* Joins the cavity's faces to a new vertex within. */
-static pbw_status pbwfill__join_inside(pbwfill__work *w, pbwfill__doubles *grid)
+/* Joins the cavity's faces to a new vertex within, looked for from x on. */
+static pbw_status pbwfill__join_inside(pbwfill__work *w, pbwfill__doubles *grid, double x[3])
 {
-    double x[3] = { 0, 0, 0 }, reach = 0;
+    double reach = 0;
     size_t i;
-    int k;
     for (i = 0; i < w->rest.count; i++) {
-        const double *p = pbwfill__at(w, w->rest.at[i]);
-        for (k = 0; k < 3; k++) {
-            x[k] += (p[k] - x[k]) / (double)(i + 1);             /* at last their mean */
-        }
-        reach = fmax(reach, pbwfill__distance(x, p));
+        reach = fmax(reach, pbwfill__distance(x, pbwfill__at(w, w->rest.at[i])));
     }
     pbwfill__climb(w, 1, x, reach / 4, 60);
     if (!pbwfill__sees_all(w, 1, x)) {
@@ -4312,7 +4374,7 @@ static pbw_status pbwfill__join_inside(pbwfill__work *w, pbwfill__doubles *grid)
     if (!pbwfill__new_vertex(w, x) || !PBW_RESERVE(&w->memory, *grid, 3)) {
         return PBW_ERROR_MEMORY;
     }
-    memcpy(grid->at + grid->count, x, sizeof x);
+    memcpy(grid->at + grid->count, x, 3 * sizeof *x);
     grid->count += 3;
     w->sign.at[w->sign.count - 1] = 1;
     return pbwfill__join(w, 1, (pbw_index)(pbwfill__vertices(w) - 1));
@@ -4325,24 +4387,17 @@ static pbw_status pbwfill__mend(pbwfill__work *w, pbw_index t, pbwfill__doubles 
     pbw_status status = PBW_OK;
     int tries;
     *done = 0;
-    for (tries = 0; tries < 2 * PBWFILL__RINGS && !*done && status == PBW_OK; tries++) {
-        if (tries % PBWFILL__RINGS == 0) {
-            w->epoch += 2;
-            w->seen.at[t] = w->epoch;
-            w->cavity.count = 0;
-            if (!PBW_PUSH(&w->memory, w->cavity, t)) {
-                return PBW_ERROR_MEMORY;
-            }
-        }
-        if (!pbwfill__add_ring(w) || (w->cavity.count <= PBWFILL__MENDED && !pbwfill__list_faces(w))) {
+    for (tries = 0; tries < 2 * PBWFILL__CAVITIES && !*done && status == PBW_OK; tries++) {
+        double middle[3];
+        if (!pbwfill__next_cavity(w, t, tries % PBWFILL__CAVITIES, middle)) {
             return PBW_ERROR_MEMORY;
         }
         if (w->cavity.count > PBWFILL__MENDED || pbwfill__has_wire(w, w->tets.at + t)) {
             continue;
         }
         w->made.count = 0;
-        status = tries < PBWFILL__RINGS ? pbwfill__wrap(w, 1, 3 * w->faces.count + 30, &floor)
-               : pbwfill__join_inside(w, grid);
+        status = tries < PBWFILL__CAVITIES ? pbwfill__wrap(w, 1, 3 * w->faces.count + 30, &floor)
+               : pbwfill__join_inside(w, grid, middle);
         if (status == PBW_OK && pbwfill__made_of_all(w)) {
             *done = 1;
             status = pbwfill__replace(w, PBW_NONE, &floor);
@@ -4351,13 +4406,6 @@ static pbw_status pbwfill__mend(pbwfill__work *w, pbw_index t, pbwfill__doubles 
     }
     PBW_RELEASE(&w->memory, floor);
     return status;
-}
-
-/* Whether a tetrahedron is kept, but not positive. */
-static int pbwfill__is_turned(const pbwfill__work *w, size_t t)
-{
-    const pbw_index *c = w->tets.at[t].v;
-    return c[0] != PBW_NONE && w->region.at[t] != PBW_NONE && pbwfill__orient(w, c[0], c[1], c[2], c[3]) <= 0;
 }
 
 static pbw_status pbwfill__note_turned(void *arg, size_t from, size_t to)
