@@ -222,6 +222,66 @@ static void test_threads(void)
     test_end();
 }
 
+/* Returns the largest distance of triangles from others, of middles, middles of edges, and corners. */
+static double farthest(const double *points, const pbw_index *triangles, size_t count,
+                       const double *others, size_t other_count, const pbw_index *from, size_t from_count)
+{
+    pbw_surface surface;
+    double most = 0;
+    size_t i;
+    int k, j;
+    CHECK_EQUAL(pbw_surface_create(others, other_count, from, from_count, NULL, &surface), PBW_OK);
+    for (i = 0; i < count; i++) {
+        for (k = 0; k < 7; k++) {
+            double p[3], place[3];
+            for (j = 0; j < 3; j++) {
+                const double a = points[3 * triangles[3 * i + (size_t)(k % 3)] + (size_t)j];
+                const double b = points[3 * triangles[3 * i + (size_t)((k + 1) % 3)] + (size_t)j];
+                const double c = points[3 * triangles[3 * i + (size_t)((k + 2) % 3)] + (size_t)j];
+                p[j] = k < 3 ? a : k < 6 ? (a + b) / 2 : (a + b + c) / 3;
+            }
+            (void)pbw_surface_closest(&surface, p, HUGE_VAL, place);
+            most = fmax(most, pbwsf__distance(p, place));
+        }
+    }
+    pbw_surface_free(&surface);
+    return most;
+}
+
+/* The report's distance is the larger one of both ways, though it searches only where one can be larger. */
+static void test_distance(void)
+{
+    static part m;
+    pbw_solid_boundary b;
+    pbw_solid_options how;
+    pbw_solid_report r;
+    pbw_solid_input in;
+    pbw_tets mesh;
+    int shape;
+    if (!test_begin("the report's distance")) {
+        return;
+    }
+    memset(&how, 0, sizeof how);
+    how.improve.target = -1;
+    for (shape = 0; shape < 3; shape++) {
+        static const size_t shapes[3] = { PART_BALL, 2, 14 };
+        double there, back;
+        (void)part_make(shapes[shape], 1, &m);
+        how.size = 2 * parts[shapes[shape]].size;
+        in = input_of(&m);
+        CHECK_EQUAL(pbw_solid(&in, &how, NULL, &mesh, &b, &r), PBW_OK);
+        there = farthest(mesh.points, b.facets, b.facet_count, in.points, in.point_count,
+                         in.triangles, in.triangle_count);
+        back = farthest(in.points, in.triangles, in.triangle_count, mesh.points, mesh.point_count,
+                        b.facets, b.facet_count);
+        test_say("%.6f there, %.6f back, %.6f reported", there / r.size, back / r.size, r.distance);
+        CHECK(fabs(fmax(there, back) - r.distance * r.size) < 1e-12);
+        pbw_tets_free(&mesh);
+        pbw_solid_boundary_free(&b);
+    }
+    test_end();
+}
+
 /* Two cones, base to base, with tips thinner than a third of the size: the boundary comes near them. */
 static void test_horns(void)
 {
@@ -1542,6 +1602,7 @@ int main(int argc, char **argv)
     test_functions();
     test_edges();
     test_threads();
+    test_distance();
     test_models();
     test_features();
     test_tip();

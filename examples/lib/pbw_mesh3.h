@@ -325,6 +325,7 @@ typedef struct pbwm3__work {
     int open;                              /* 1: not all holes of the input are closed: inside by winding number */
     double closing_area;                   /* area of the triangles that close holes */
     int nested;
+    int twisted;                           /* 1: a shell has no two sides, as a Klein bottle */
     int joined;                            /* 1: triangles cross, and inside is where the winding number is above 0 */
     int kinks;                             /* 1: joined, and the edges where triangles cross are sharp */
     int walls;                             /* 1: a complex of walls between regions: edges of more than two triangles,
@@ -1067,6 +1068,8 @@ static int pbwm3__join_shells(pbwm3__work *w, const pbwm3__orientation *trees, p
                 trees->parent[a < b ? b : a] = a < b ? a : b;
                 trees->flipped[a < b ? b : a] = (unsigned char)(first ^ second
                                                                 ^ (edge[i].v[2] == edge[i + 1].v[2]));
+            } else {
+                w->twisted |= (first ^ second) != (edge[i].v[2] == edge[i + 1].v[2]);
             }
         }
     }
@@ -5091,8 +5094,32 @@ typedef struct pbwm3__distances {
     const double *points;
     const pbw_index *triangles;
     const pbw_surface *surface;
+    int paired;                            /* 1: each edge has as many triangles one way round as the other */
+    unsigned char *seen;                   /* per point: 1, a triangle has it measured */
     double *distance;                      /* per range: the largest, of middles, middles of edges, and corners */
 } pbwm3__distances;
+
+/* Makes place k of a triangle: its middle, those of its edges, its corners.  Returns 0 if another triangle has it. */
+static int pbwm3__distance_place(const pbwm3__distances *far, size_t triangle, int k, double p[3])
+{
+    const pbw_index *v = far->triangles + 3 * triangle;
+    const double *c[3];
+    int j;
+    for (j = 0; j < 3; j++) {
+        c[j] = far->points + 3 * (size_t)v[j];
+    }
+    for (j = 0; j < 3; j++) {
+        p[j] = k == 0 ? (c[0][j] + c[1][j] + c[2][j]) / 3 : k < 4 ? (c[k - 1][j] + c[k % 3][j]) / 2 : c[k - 4][j];
+    }
+    if (k > 3) {
+        unsigned char *seen = far->seen + v[k - 4];
+        if (PBW_ATOMIC_LOAD(seen)) {
+            return 0;
+        }
+        PBW_ATOMIC_STORE(seen, 1);
+    }
+    return k == 0 || k > 3 || !far->paired || v[k - 1] < v[k % 3];
+}
 
 static pbw_status pbwm3__distance_range(void *arg, size_t from, size_t to)
 {
@@ -5100,19 +5127,11 @@ static pbw_status pbwm3__distance_range(void *arg, size_t from, size_t to)
     pbw_index near = PBW_NONE;                       /* the triangle that is nearest to the place before */
     double most = 0;
     size_t i;
-    int k, j;
+    int k;
     for (i = from; i < to; i++) {
-        const double *c[3];
-        for (k = 0; k < 3; k++) {
-            c[k] = far->points + 3 * (size_t)far->triangles[3 * i + (size_t)k];
-        }
         for (k = 0; k < 7; k++) {
             double p[3], place[3];
-            for (j = 0; j < 3; j++) {
-                p[j] = k == 0 ? (c[0][j] + c[1][j] + c[2][j]) / 3
-                     : k < 4 ? (c[k - 1][j] + c[k % 3][j]) / 2 : c[k - 4][j];
-            }
-            if (!pbwm3__triangle_is_near(far->surface, near, p, most)) {
+            if (pbwm3__distance_place(far, i, k, p) && !pbwm3__triangle_is_near(far->surface, near, p, most)) {
                 near = pbwsf__closest(far->surface, p, HUGE_VAL, most, place);
                 most = near == PBW_NONE ? most : fmax(most, pbwsf__distance(p, place));
             }
@@ -5122,24 +5141,27 @@ static pbw_status pbwm3__distance_range(void *arg, size_t from, size_t to)
     return PBW_OK;
 }
 
-/* Raises *least to the largest distance of the triangles from the surface. */
-static pbw_status pbwm3__farthest(pbwm3__work *w, pbwm3__distances *far, size_t count, double *least)
+/* Raises *least to the largest distance of the triangles, at so many points, from the surface. */
+static pbw_status pbwm3__farthest(pbwm3__work *w, pbwm3__distances *far, size_t points, size_t count, double *least)
 {
     const size_t ranges = (count + PBWM3__DISTANCES - 1) / PBWM3__DISTANCES;
     pbwsf__numbers room = { NULL, 0, 0 };
+    pbwsf__flags seen = { NULL, 0, 0 };
     pbw_options options = w->options;
     pbw_status status = PBW_ERROR_MEMORY;
     size_t i;
     options.progress = pbwm3__part_progress;
     options.progress_user = w;
-    if (PBW_FIT(&w->memory, room, ranges + 1)) {
+    if (PBW_FIT(&w->memory, room, ranges + 1) && PBW_ZEROS(&w->memory, seen, points)) {
         far->distance = room.at;
+        far->seen = seen.at;
         status = pbw_for(&options, count, PBWM3__DISTANCES, pbwm3__distance_range, far);
         for (i = 0; status == PBW_OK && i < ranges; i++) {
             *least = fmax(*least, far->distance[i]);
         }
     }
     PBW_RELEASE(&w->memory, room);
+    PBW_RELEASE(&w->memory, seen);
     return status;
 }
 
@@ -5369,15 +5391,17 @@ static pbw_status pbwm3__report_boundary(pbwm3__work *w, const pbw_tets *out, co
         far.points = out->points;
         far.triangles = facet;
         far.surface = &w->surface;
-        status = pbwm3__farthest(w, &far, facets->count, &distance);
+        far.paired = !w->walls;
+        status = pbwm3__farthest(w, &far, out->point_count, facets->count, &distance);
     }
     if (status == PBW_OK && !w->joined) {            /* else parts of the surface are inside */
         far.points = w->surface.points;
         far.triangles = w->surface.triangles;
         far.surface = &boundary;
+        far.paired = !w->walls && !w->open && !w->twisted;
         w->from = w->to;
         w->to = 1;
-        status = pbwm3__farthest(w, &far, w->surface.triangle_count, &distance);
+        status = pbwm3__farthest(w, &far, w->surface.point_count, w->surface.triangle_count, &distance);
     }
     r->distance = distance / w->size;
     pbwm3__drop_surface(w, &boundary);

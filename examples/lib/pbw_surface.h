@@ -506,6 +506,20 @@ static double pbwsf__box_distance(const pbwsf__box *box, const double *p)
     return sum;
 }
 
+/* Returns what a triangle's distance from p, squared, is not below: that of its box. */
+static double pbwsf__least_distance(const double *a, const double *b, const double *c, const double *p)
+{
+    double sum = 0;
+    int k;
+    for (k = 0; k < 3; k++) {
+        const double low = a[k] < b[k] ? a[k] : b[k], high = a[k] < b[k] ? b[k] : a[k];
+        const double under = (low < c[k] ? low : c[k]) - p[k], over = p[k] - (high > c[k] ? high : c[k]);
+        const double out = under > over ? under : over, d = out > 0 ? out : 0;
+        sum += d * d;
+    }
+    return sum;
+}
+
 /* As pbw_surface_closest, but a triangle nearer than `enough` ends the search. */
 static pbw_index pbwsf__closest(const pbw_surface *surface, const double p[3], double limit, double enough,
                                 double place[3])
@@ -521,23 +535,27 @@ static pbw_index pbwsf__closest(const pbw_surface *surface, const double p[3], d
     stack[0].distance = pbwsf__box_distance(box, p);
     while (depth > 0) {
         size_t i = stack[--depth].node, k;
-        if (!(stack[depth].distance < best)) {
-            continue;
-        }
-        if (i < tree->first_leaf) {                          /* the nearer child is taken first */
+        double near = stack[depth].distance;
+        while (i < tree->first_leaf && near < best) {        /* to the nearer child; the other one must wait */
             const double left = pbwsf__box_distance(box + 2 * i + 1, p);
             const double right = pbwsf__box_distance(box + 2 * i + 2, p);
-            const int near_last = right < left;
-            stack[depth].node = near_last ? 2 * i + 1 : 2 * i + 2;
-            stack[depth++].distance = near_last ? left : right;
-            stack[depth].node = near_last ? 2 * i + 2 : 2 * i + 1;
-            stack[depth++].distance = near_last ? right : left;
-            continue;
+            const size_t turned = right < left;
+            const double far = turned ? left : right;
+            if (far < best) {
+                stack[depth].node = 2 * i + 2 - turned;
+                stack[depth++].distance = far;
+            }
+            near = turned ? right : left;
+            i = 2 * i + 1 + turned;
         }
-        for (k = pbwsf__first_of(tree, i); k < pbwsf__end_of(surface, tree, i); k++) {
+        for (k = pbwsf__first_of(tree, i); near < best && k < pbwsf__end_of(surface, tree, i); k++) {
+            const double *a = pbwsf__corner(surface, order[k], 0), *b = pbwsf__corner(surface, order[k], 1);
+            const double *c = pbwsf__corner(surface, order[k], 2);
             double q[3], d[3];
-            pbwsf__nearest_in(pbwsf__corner(surface, order[k], 0), pbwsf__corner(surface, order[k], 1),
-                              pbwsf__corner(surface, order[k], 2), p, q);
+            if (pbwsf__least_distance(a, b, c, p) > best) {
+                continue;
+            }
+            pbwsf__nearest_in(a, b, c, p, q);
             pbwsf__minus(q, p, d);
             if (pbwsf__dot(d, d) < best || (pbwsf__dot(d, d) <= best && order[k] < found && found != PBW_NONE)) {
                 best = pbwsf__dot(d, d);
