@@ -2020,7 +2020,7 @@ PBWDEF void pbw_surface_faults_free(pbw_surface_faults *faults)
      pbwsf__tree        wrap                                tree
      pbwsf__box_meets   wrap                                queries
      pbwsf__closest     mesh3                               queries
-     pbwsf__is_near     mesh3                               queries
+     pbwsf__is_near     mesh3 wrap                          queries
      pbwsf__nearest_in  mesh3 wrap                          queries
      pbwsf__ray         mesh3                               queries
    ------------------------------------------------------------------------------------------------------ */

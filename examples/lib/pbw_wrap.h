@@ -913,7 +913,7 @@ static void pbwwr__decide(const pbwwr__work *w, pbwwr__verdict *v)
     }
     v->meets = to->meets;
     v->rule = 3;
-    if ((!w->how->fast || pbw_surface_closest(&w->surface, to->centre, w->offset, near) != PBW_NONE)
+    if ((!w->how->fast || pbwsf__is_near(&w->surface, to->centre, w->offset))
         && pbwwr__first_place(&w->surface, from, to->centre, w->offset, v->place)) {
         v->rule = 1;
         return;
