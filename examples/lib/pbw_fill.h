@@ -65,8 +65,8 @@
      same        the same bytes for any number of threads
      bounded     no recursion, and no assert on any input
 
-   DOES NOT  work on several threads, but for the first triangulation, the search for crossings and for missing
-             segments, the last check, and improvement.
+   DOES NOT  work on several threads, but for the first triangulation, the search for crossings, for missing segments
+             and for facets that are there, the last check, and improvement.
              Surfaces with details below 2^-29 of the box are refused where edges need points that no doubles have.
              Points added on an edge are at the double nearest to it, which is on it if its ends are on the grid.  Far
              from the origin, as seen against the box, tetrahedra may be flat: report.flat_tets.
@@ -542,7 +542,10 @@ static int pbwfill__new_vertex(pbwfill__work *w, const double p[3])
 /* x times 2^e, for e from -1100 to 1100. */
 static double pbwfill__scaled(double x, int e)
 {
-    return ldexp(ldexp(x, e / 2), e - e / 2);
+    const uint64_t bits[2] = { (uint64_t)(1023 + e / 2) << 52, (uint64_t)(1023 + e - e / 2) << 52 };
+    double factors[2];                               /* powers of two; ldexp is slow */
+    memcpy(factors, bits, sizeof factors);
+    return x * factors[0] * factors[1];
 }
 
 /* Takes the coarsest grid on which the shortest edge has 2^14 steps; after that, the finer ones in turn, then the
@@ -2134,16 +2137,69 @@ static pbw_status pbwfill__recover_facet(pbwfill__work *w, pbw_index facet, pbwf
     return PBW_OK;
 }
 
+/* Finds a triangle with edges of one piece each among the faces of the Delaunay triangulation.  Returns 4 times a
+   tetrahedron plus the corner across, PBW_NONE if there is none. */
+static pbw_index pbwfill__find_face(const pbwfill__work *w, size_t triangle)
+{
+    const pbw_index *c = w->corners.at + 3 * triangle;
+    pbw_index start, t;
+    int k;
+    for (k = 0; k < 3; k++) {
+        if (w->pieces.at[w->edges.at[w->edge_of.at[3 * triangle + (size_t)k]].piece].next != PBW_NONE) {
+            return PBW_NONE;
+        }
+    }
+    t = start = pbwfill__toward(w, c[0], c[1]);
+    do {                                             /* around the edge */
+        const pbwfill__tet *tet = w->tets.at + t;
+        const unsigned i = pbwfill__corner_of(tet, c[0]), j = pbwfill__corner_of(tet, c[1]);
+        const unsigned l = pbwfill__third[i][j], m = 6 - i - j - l;
+        if (tet->v[l] == c[2]) {
+            return 4 * t + m;
+        }
+        t = tet->n[l];
+    } while (t != start && t != PBW_NONE);
+    return PBW_NONE;
+}
+
+/* Marks the faces of triangles that are there already, and in `noted` their facets.  No two threads write to one
+   place, as no face is that of two triangles. */
+static pbw_status pbwfill__mark_faces(void *arg, size_t from, size_t to)
+{
+    pbwfill__work *w = (pbwfill__work *)arg;
+    size_t i;
+    for (i = from; i < to; i++) {
+        const size_t first = w->facet_first.at[i];
+        const pbw_index face = w->facet_first.at[i + 1] > first + 1 ? PBW_NONE
+                             : pbwfill__find_face(w, w->members.at[first]);
+        w->noted.at[i] = face != PBW_NONE;
+        if (face != PBW_NONE) {
+            const pbw_index next = w->tets.at[face / 4].n[face % 4];
+            w->tets.at[face / 4].wall[face % 4] = (pbw_index)i;
+            w->tets.at[next].wall[pbwfill__back(w->tets.at + next, face / 4)] = (pbw_index)i;
+        }
+    }
+    return PBW_OK;
+}
+
 static pbw_status pbwfill__recover_facets(pbwfill__work *w)
 {
     pbwfill__walk walk = { NULL, 0, 0 };
-    pbw_status status = PBW_OK;
-    size_t i;
+    pbw_status status = PBW_FIT(&w->memory, w->noted, w->report->facets) ? PBW_OK : PBW_ERROR_MEMORY;
+    size_t i, found = 0;
     memset(w->seen_vertex.at, 0, w->seen_vertex.count * sizeof *w->seen_vertex.at);
+    status = status != PBW_OK ? status : pbw_for(pbwfill__inner_options(w), w->report->facets, PBWFILL__GRAIN,
+                                                 pbwfill__mark_faces, w);
+    for (i = 0; i < w->report->facets && status == PBW_OK; i++) {
+        found += w->noted.at[i];
+    }
     for (i = 0; i < w->pieces.count && status == PBW_OK; i++) {
         const pbwfill__piece *p = w->pieces.at + i;
-        pbw_index *slot = pbwfill__put(w, &w->segments, p->a < p->b ? p->a : p->b, p->a < p->b ? p->b : p->a,
-                                       PBW_NONE);
+        pbw_index *slot;
+        if (found == w->report->facets && w->edges.at[p->edge].count > 0) {
+            continue;                                /* only wires will be asked for */
+        }
+        slot = pbwfill__put(w, &w->segments, p->a < p->b ? p->a : p->b, p->a < p->b ? p->b : p->a, PBW_NONE);
         if (slot == NULL) {
             status = PBW_ERROR_MEMORY;
         } else {
@@ -2153,7 +2209,7 @@ static pbw_status pbwfill__recover_facets(pbwfill__work *w)
     for (i = 0; i < w->report->facets && status == PBW_OK; i++) {
         int missing = 0;
         status = pbwfill__tick(w, (double)i / (double)w->report->facets) ? PBW_CANCELLED
-               : pbwfill__recover_facet(w, (pbw_index)i, &walk, &missing);
+               : w->noted.at[i] ? PBW_OK : pbwfill__recover_facet(w, (pbw_index)i, &walk, &missing);
         w->report->missing_facets += (size_t)missing;
     }
     PBW_RELEASE(&w->memory, walk);
