@@ -925,9 +925,9 @@ static void test_unions(void)
             }
         }
         in = input_of(&m);
-        how.size = kind == 2 ? 0.3 : 0.25;
+        how.size = 0.25;
         CHECK_EQUAL(pbw_solid(&in, &how, NULL, &mesh, &b, &r), PBW_OK);
-        CHECK(is_sound(&mesh) && r.crossings > 0 && r.bad_edges + r.bad_points == 0);
+        CHECK(is_sound(&mesh) && r.crossings > 0 && r.united && r.bad_edges + r.bad_points == 0);
         CHECK_EQUAL(r.euler, kind == 2 ? 4 : 2);
         CHECK(kind < 3 || (r.sharp_edges > 20 && r.missing_edges == 0 && r.distance < 0.12));
         CHECK_EQUAL(b.facet_count, count_sheets(&mesh));
@@ -940,6 +940,115 @@ static void test_unions(void)
             check_threads(&in, &how, &mesh);
         }
         pbw_solid_boundary_free(&b);
+        pbw_tets_free(&mesh);
+    }
+    test_end();
+}
+
+/* A prism over a regular polygon of n corners and radius 1, from `low` to `high` along an axis.  Returns its
+   volume. */
+static double add_prism(part *m, size_t n, int axis, double turn, double low, double high)
+{
+    const size_t first = m->points;
+    size_t i, k;
+    for (i = 0; i < 2 * n + 2; i++) {
+        const double angle = 2 * PARTS_PI * ((double)(i % n) + turn) / (double)n;
+        double p[3];
+        p[axis] = i < n || i == 2 * n ? low : high;
+        p[(axis + 1) % 3] = i < 2 * n ? cos(angle) : 0;
+        p[(axis + 2) % 3] = i < 2 * n ? sin(angle) : 0;
+        (void)part_point(m, p[0], p[1], p[2]);
+    }
+    for (i = first; i < first + n; i++) {
+        k = i + 1 < first + n ? i + 1 : first;
+        part_triangle(m, i, k, k + n);
+        part_triangle(m, i, k + n, i + n);
+        part_triangle(m, first + 2 * n, k, i);
+        part_triangle(m, first + 2 * n + 1, i + n, k + n);
+    }
+    return 0.5 * (double)n * sin(2 * PARTS_PI / (double)n) * (high - low);
+}
+
+/* The volume that two of these prisms have in common, along different axes, turned so that a corner or the middle of
+   a side is on the third axis: layers of it are squares. */
+static double in_common(size_t n, double turn)
+{
+    const double top = turn > 0 ? cos(PARTS_PI / (double)n) : 1;
+    double sum = 0, from = -top;
+    size_t i;
+    for (i = 0; i < n; i++) {                        /* from corner to corner, in the order of their heights */
+        double next = top, width[3];
+        size_t k, at;
+        for (k = 0; k < n; k++) {
+            const double height = sin(2 * PARTS_PI * ((double)k + turn) / (double)n);
+            next = height > from + 1e-9 && height < next ? height : next;
+        }
+        if (next <= from) {
+            break;
+        }
+        for (at = 0; at < 3; at++) {
+            const double z = from + (next - from) * (double)at / 2;
+            width[at] = 2;
+            for (k = 0; k < n; k++) {                /* as the sides let it */
+                const double angle = 2 * PARTS_PI * ((double)k + turn + 0.5) / (double)n;
+                const double reach = cos(PARTS_PI / (double)n);
+                width[at] = cos(angle) > 1e-9 ? fmin(width[at], 2 * fmax(0, (reach - sin(angle) * z) / cos(angle)))
+                          : width[at];
+            }
+        }
+        sum += (next - from) / 6 * (width[0] * width[0] + 4 * width[1] * width[1] + width[2] * width[2]);
+        from = next;
+    }
+    return sum;
+}
+
+/* What users join: prisms that cross at a right angle, edge on edge or side on side, boxes that overlap with faces in
+   one plane, boxes that touch with a part of a face, a T of prisms, and three boxes: bodies with the right volume and
+   sharp edges. */
+static void test_joints(void)
+{
+    static const double box[6][2][3] = { { { 0, 0, 0 }, { 2, 2, 1 } }, { { 1, 1, 0 }, { 3, 3, 1 } },
+                                         { { 2, 1, 0 }, { 3, 3, 1 } }, { { -1, -1, 0.5 }, { 0.5, 0.5, 2 } },
+                                         { { 0.25, -1, 0.25 }, { 2, 0.5, 1.75 } }, { { 0, 0, 0 }, { 2, 2, 1 } } };
+    static const double volumes[4] = { 7, 6, 4 + 3.375 + 3.9375 - 0.125 - 0.65625 - 0.46875 + 0.0625, 4 };
+    static part m;
+    pbw_solid_options how;
+    pbw_solid_report r;
+    pbw_solid_input in;
+    pbw_tets mesh;
+    int kind;
+    if (!test_begin("joints")) {
+        return;
+    }
+    memset(&how, 0, sizeof how);
+    for (kind = 0; kind < 7; kind++) {
+        double volume = kind < 4 ? volumes[kind] : 0;
+        m.points = m.triangles = 0;
+        if (kind < 4) {
+            (void)part_box(&m, box[0][0], box[0][1], 0);
+            (void)part_box(&m, box[kind == 2 ? 3 : kind == 3 ? 5 : kind + 1][0],
+                           box[kind == 2 ? 3 : kind == 3 ? 5 : kind + 1][1], 0);
+        }
+        if (kind == 2) {
+            (void)part_box(&m, box[4][0], box[4][1], 0);
+        }
+        if (kind >= 4) {
+            const double turn = kind == 5 ? 0.5 : 0;
+            volume = add_prism(&m, 24, 0, turn, -2.5, 2.5) + add_prism(&m, 24, 1, turn, kind == 6 ? 0 : -2.5, 2.5)
+                   - in_common(24, turn) * (kind == 6 ? 0.5 : 1);
+        }
+        in = input_of(&m);
+        how.size = kind < 4 ? 0.3 : 0.4;
+        CHECK_EQUAL(pbw_solid(&in, &how, NULL, &mesh, NULL, &r), PBW_OK);
+        CHECK(is_sound(&mesh) && r.bad_edges + r.bad_points + r.missing_edges == 0 && r.settled);
+        CHECK(kind == 3 ? r.doubles > 0 : r.crossings > 0 && r.united);
+        CHECK(r.euler == 2 && r.input_euler == 2);
+        CHECK(fabs(r.input_volume - volume) < 1e-6 * volume);
+        CHECK(fabs(r.improve.after.volume - volume) < (kind < 4 ? 1e-6 : 0.03) * volume);
+        CHECK(r.improve.after.least > 25 && r.distance < 0.15);
+        test_say("joint %d: %zu tetrahedra, %.2f..%.2f, volume %.6f of %.6f, distance %.3f, Euler %ld, %zu missing",
+                 kind, mesh.tet_count, r.improve.after.least, r.improve.after.largest, r.improve.after.volume,
+                 volume, r.distance, r.euler, r.missing_edges);
         pbw_tets_free(&mesh);
     }
     test_end();
@@ -1616,6 +1725,7 @@ int main(int argc, char **argv)
     test_sheets();
     test_walls();
     test_unions();
+    test_joints();
     test_planes();
     test_sharp();
     test_refusals();

@@ -20,8 +20,9 @@
      >>input        the surface: welded triangles, or those of an implicit function; its edges
      >>shells       triangles oriented alike; holes closed; regions between walls
      >>inside       which shells are around a point; the label of a place
+     >>cuts         triangles cut where others meet them
+     >>union        shells that cross, made one surface
      >>features     which sharp edges are kept
-     >>kinks        where shells cross
      >>chains       sharp edges chained between corners; patches
      >>sizes        local sizes
      >>samples      the first points: on sharp edges, on smooth parts, inside
@@ -74,8 +75,9 @@
    Triangles of a shell are oriented alike.  Holes of an open surface are reported, and closed by triangles of least
    area (Barequet and Sharir 1995).  If these have more than 0.34 of the surface's area, it is refused, unless
    options.close is 1.  Where open edges form no loops, inside is where the winding number is above 1/2.  Where shells
-   cross, or one crosses itself, inside is where the winding number is above 0: the union of shells that do not cross
-   themselves.  With options.nested it is as else.
+   cross, touch or lie on each other, or one crosses itself, the surface is cut where triangles meet, and becomes the
+   boundary of the union: of all that the shells, turned outward, go around.  Where they cross is then an edge like
+   others: where all sharp edges are kept, it is one, too.  With options.nested it is as else.
 
    Sharp edges below 60 degrees are kept like others; the tetrahedra at them have their angles.
 
@@ -91,9 +93,8 @@
 
    DOES NOT  settle at gaps of a shell below 1/10 of the size, nor always at acute edges: it warns.  Surfaces with
              walls below about 1/10 of the size on the whole are refused: report.thickness.
-             Shells may be nested or cross; the edges where they cross are sharp if all sharp edges are kept, but
-             rounded where triangles lie on each other, and where those that close holes cross others.  If shells
-             coincide only in part, or with other triangles, the space between is no region, or noise.  Where four
+             Shells may be nested or cross.  If rounding keeps the pieces of their union from closing, they are joined
+             without sharp edges where they cross: report.united is 0.  Where four
              walls meet inside, facets of interfaces may cut the corner, by up to 0.15 sizes: see report.distance.
              Points between two regions are not moved.
              Smooth tips sharper than a cone of 60 degrees may stay farther from the boundary than options.distance.
@@ -218,6 +219,8 @@ typedef struct pbw_solid_report {
                                               corners and edges, as pbw_surface_crossings finds them */
     double crossing_place[3];              /* where the first pair meets */
     size_t closing_crossings;              /* pairs besides, with a triangle that closes a hole */
+    int united;                            /* 1: shells that cross were made one surface, the boundary of their union:
+                                              input_volume and input_euler are its own */
     int refusal;                           /* PBW_SOLID_FILLED, or why there is no result */
     size_t regions;                        /* of the result */
     int sharp;                             /* which sharp edges were kept: PBW_SOLID_SHARP_ALL, SOME or NONE */
@@ -232,7 +235,7 @@ typedef struct pbw_solid_report {
     size_t facets;                         /* of the boundary */
     long euler, input_euler;               /* Euler numbers: of the boundary, of the input */
     double distance;                       /* Hausdorff distance of boundary and surface, sampled, in sizes; of the
-                                              boundary from the surface alone where shells that cross are joined */
+                                              boundary from the surface alone if shells cross and are not united */
     double size, input_volume;
     int rounds, settled;                   /* settled: 1, nothing was left to add */
     double seconds[4];                     /* of processor time: sampling, rounds, improvement, this report */
@@ -327,7 +330,6 @@ typedef struct pbwm3__work {
     int nested;
     int twisted;                           /* 1: a shell has no two sides, as a Klein bottle */
     int joined;                            /* 1: triangles cross, and inside is where the winding number is above 0 */
-    int kinks;                             /* 1: joined, and the edges where triangles cross are sharp */
     int walls;                             /* 1: a complex of walls between regions: edges of more than two triangles,
                                               or triangles given twice, and no open edges */
     int whole;                             /* 1: the surface is one patch, whatever its edges */
@@ -365,7 +367,9 @@ typedef struct pbwm3__work {
     PBW_ARRAY(pbw_solid_hole) holes;
     pbwsf__pairs crossing;                 /* where shells are joined: pairs of triangles that meet */
     pbwsf__numbers segments;               /* 6 a pair: what they have in common */
-    pbwsf__pairs crossed;                  /* a vertex that ends such a segment, and a triangle of the pair */
+    pbwsf__vectors planes;                 /* where shells are united: per triangle, the normal of that which it is a
+                                              piece of */
+    pbwsf__pairs cuts;                     /* and the edges where they cross, sorted */
     pbwsf__indices part;                   /* of each triangle: its part of the surface between sharp edges */
     pbwsf__indices patch;                  /* the same, or 0 if the surface is one patch */
     pbwsf__indices firsts;                 /* the first triangle of each patch */
@@ -1081,8 +1085,12 @@ static void pbwm3__flip_triangle(pbwm3__work *w, size_t t)
 {
     pbw_index *c = w->triangles.at[t];
     const pbw_index was = c[1];
+    int k;
     c[1] = c[2];
     c[2] = was;
+    for (k = 0; k < 3 && t < w->planes.count; k++) {
+        w->planes.at[t][k] = -w->planes.at[t][k];
+    }
 }
 
 /* Orients the triangles of each shell like the majority, and numbers the shells by their first triangles. */
@@ -1687,7 +1695,7 @@ static void pbwm3__count_crossings(pbwm3__work *w, const pbw_surface_faults *fau
 
 static int pbwm3__has_crossings(const pbwm3__work *w)
 {
-    return w->report->crossings + w->report->closing_crossings > 0;
+    return !w->report->united && w->report->crossings + w->report->closing_crossings > 0;
 }
 
 static pbw_status pbwm3__find_crossings(pbwm3__work *w)
@@ -1801,6 +1809,987 @@ static void pbwm3__project(void *user, double p[3])
 }
 
 /* ------------------------------------------------------------------------------------------------------
+   >>cuts         Triangles cut where others meet them.
+   In: pairs of triangles that meet, and what they have in common.  Out: pieces of the triangles, which meet in whole
+   edges and corners alone; the edges where others meet them.
+   New vertices are rounded, and those within 1e-7 sizes are one.  The pieces of a triangle come from a constrained
+   triangulation of what is in it, in the plane of two coordinates, by exact signs.
+   ------------------------------------------------------------------------------------------------------ */
+#define PBWM3__WELD 1e-7                   /* sizes */
+
+typedef struct pbwm3__break { pbw_index a, b, vertex; } pbwm3__break;    /* a vertex on a line from a to b, a < b */
+
+typedef struct pbwm3__span { double x[2][2], low, high; size_t pair; } pbwm3__span;    /* a segment in the plane */
+
+typedef struct pbwm3__along_x { double x; pbw_index id; } pbwm3__along_x;
+
+typedef struct pbwm3__cutting {
+    pbwsf__vectors points;                 /* vertices of the surface, then places */
+    pbwsf__vectors places;                 /* ends of segments, two a pair, then crossings of segments */
+    pbwsf__indices vertex;                 /* the point that each of them is */
+    pbwsf__counts first, pairs;            /* of triangle t: pairs[first[t]] .. pairs[first[t + 1] - 1] */
+    pbwsf__flags layer;                    /* per pair: 1, the triangles lie in one plane */
+    pbwsf__pairs extra;                    /* a triangle, and a place where segments in it cross; ascending */
+    PBW_ARRAY(pbwm3__break) breaks;
+    pbwsf__pairs cuts;                     /* pieces of segments, sorted by edge */
+    pbwsf__triples pieces;
+    pbwsf__indices parent;                 /* of each piece, the triangle */
+    pbwsf__counts piece_first;             /* of each triangle, the first piece */
+    /* of one triangle */
+    pbwsf__indices slot;                   /* per vertex, its place in `ids`, or PBW_NONE */
+    pbwsf__indices ids;                    /* its vertices */
+    pbwsf__numbers flat;                   /* two coordinates of each, so that the triangle turns left */
+    pbwsf__pairs rim, inner;               /* pieces of its edges, and of segments in it: places in `ids` */
+    PBW_ARRAY(pbwm3__span) spans;
+    PBW_ARRAY(pbwm3__along_x) sorted;
+    pbwsf__indices corner, next, incident; /* its triangulation, as in pbw_mesh */
+} pbwm3__cutting;
+
+/* ---- what cuts each triangle ---- */
+
+/* Returns whether the triangles of a pair lie in one plane, up to rounding: their normals are alike, and the corners
+   of one are in the plane of the other. */
+static int pbwm3__is_layer(const pbwm3__work *w, const pbw_index *pair)
+{
+    double n[2][3], across[3], out[3];
+    int i, near = 0;
+    pbwsf__normal_of(&w->surface, pair[0], n[0]);
+    pbwsf__normal_of(&w->surface, pair[1], n[1]);
+    pbwsf__cross(n[0], n[1], across);
+    if (!(pbwsf__dot(across, across) < 1e-6 * pbwsf__dot(n[0], n[0]) * pbwsf__dot(n[1], n[1]))) {
+        return 0;
+    }
+    for (i = 0; i < 2 && near < 3; i++) {
+        const double within = PBWM3__WELD * w->size * sqrt(pbwsf__dot(n[i], n[i]));
+        for (near = 0; near < 3; near++) {
+            pbwsf__minus(pbwsf__corner(&w->surface, pair[1 - i], near), pbwsf__corner(&w->surface, pair[i], 0), out);
+            if (!(fabs(pbwsf__dot(out, n[i])) <= within)) {
+                break;
+            }
+        }
+    }
+    return near == 3;
+}
+
+/* Lists the pairs of each triangle, and the ends of their segments as places. */
+static int pbwm3__list_pairs(pbwm3__work *w, pbwm3__cutting *c)
+{
+    const size_t triangles = w->surface.triangle_count, count = w->crossing.count;
+    size_t *first, i;
+    if (!PBW_ZEROS(&w->memory, c->first, triangles + 2) || !PBW_FIT(&w->memory, c->pairs, 2 * count + 1)
+        || !PBW_FIT(&w->memory, c->layer, count + 1) || !PBW_FIT(&w->memory, c->places, 2 * count + 1)) {
+        return 0;
+    }
+    first = c->first.at;
+    for (i = 0; i < 2 * count; i++) {
+        first[w->crossing.at[i / 2][i % 2] + 2]++;
+    }
+    for (i = 0; i < triangles; i++) {
+        first[i + 2] += first[i + 1];
+    }
+    for (i = 0; i < 2 * count; i++) {
+        c->pairs.at[first[w->crossing.at[i / 2][i % 2] + 1]++] = i / 2;
+        memcpy(c->places.at[i], w->segments.at + 3 * i, sizeof *c->places.at);
+    }
+    c->places.count = 2 * count;
+    for (i = 0; i < count; i++) {
+        c->layer.at[i] = (unsigned char)pbwm3__is_layer(w, w->crossing.at[i]);
+    }
+    return 1;
+}
+
+/* The two coordinates of p in the plane of a triangle with normal n, which turns left there. */
+static void pbwm3__flatten(const double n[3], const double p[3], double out[2])
+{
+    int k, most = 0;
+    for (k = 1; k < 3; k++) {
+        most = fabs(n[k]) > fabs(n[most]) ? k : most;
+    }
+    out[n[most] < 0] = p[(most + 1) % 3];
+    out[n[most] >= 0] = p[(most + 2) % 3];
+}
+
+static int pbwm3__compare_spans(const void *a, const void *b)
+{
+    const pbwm3__span *x = (const pbwm3__span *)a, *y = (const pbwm3__span *)b;
+    return x->low < y->low ? -1 : x->low > y->low ? 1 : (x->pair > y->pair) - (x->pair < y->pair);
+}
+
+/* Adds the place where two segments in a triangle cross. */
+static int pbwm3__cross_spans(pbwm3__work *w, pbwm3__cutting *c, pbw_index triangle, const pbwm3__span *s,
+                              const pbwm3__span *t)
+{
+    const double (*x)[2] = s->x, (*y)[2] = t->x;
+    const pbw_index item[2] = { triangle, (pbw_index)c->places.count };
+    double p[3], from, to;
+    if (pbw_orient2(x[0], x[1], y[0]) * pbw_orient2(x[0], x[1], y[1]) >= 0
+        || pbw_orient2(y[0], y[1], x[0]) * pbw_orient2(y[0], y[1], x[1]) >= 0) {
+        return 1;
+    }
+    from = (y[1][0] - y[0][0]) * (x[0][1] - y[0][1]) - (y[1][1] - y[0][1]) * (x[0][0] - y[0][0]);
+    to = (y[1][0] - y[0][0]) * (x[1][1] - y[0][1]) - (y[1][1] - y[0][1]) * (x[1][0] - y[0][0]);
+    pbwsf__between(c->places.at[2 * s->pair], c->places.at[2 * s->pair + 1],
+                   fabs(from) + fabs(to) > 0 ? fabs(from) / (fabs(from) + fabs(to)) : 0, p);
+    return PBWM3__APPEND(w, c->places, p) && PBWM3__APPEND(w, c->extra, item);
+}
+
+/* Adds the places where segments cross in a triangle: it meets two others in one place. */
+static int pbwm3__find_places(pbwm3__work *w, pbwm3__cutting *c, pbw_index triangle)
+{
+    double n[3];
+    size_t i, k;
+    int good = 1;
+    pbwsf__normal_of(&w->surface, triangle, n);
+    c->spans.count = 0;
+    for (i = c->first.at[triangle]; good && i < c->first.at[triangle + 1]; i++) {
+        pbwm3__span span;
+        span.pair = c->pairs.at[i];
+        if (!c->layer.at[span.pair]) {
+            pbwm3__flatten(n, c->places.at[2 * span.pair], span.x[0]);
+            pbwm3__flatten(n, c->places.at[2 * span.pair + 1], span.x[1]);
+            span.low = fmin(span.x[0][0], span.x[1][0]);
+            span.high = fmax(span.x[0][0], span.x[1][0]);
+            good = PBW_PUSH(&w->memory, c->spans, span);
+        }
+    }
+    if (good && c->spans.count > 1) {
+        qsort(c->spans.at, c->spans.count, sizeof(pbwm3__span), pbwm3__compare_spans);
+    }
+    for (i = 0; good && i < c->spans.count; i++) {
+        for (k = i + 1; good && k < c->spans.count && c->spans.at[k].low <= c->spans.at[i].high; k++) {
+            good = pbwm3__cross_spans(w, c, triangle, c->spans.at + i, c->spans.at + k);
+        }
+    }
+    return good;
+}
+
+/* Gives each vertex of the surface and each place a vertex: the nearest one within reach, else a new one; those of
+   the surface come first.  They are sorted along a direction that no plane of a model is likely to be across. */
+static pbw_status pbwm3__weld_places(pbwm3__work *w, pbwm3__cutting *c)
+{
+    static const double direction[3] = { 0.6123724, 0.5345225, 0.5824351 };
+    const size_t old = w->vertices.count, count = old + c->places.count;
+    const double within = PBWM3__WELD * w->size;
+    pbwsf__numbers height = { NULL, 0, 0 };
+    PBW_ARRAY(uint64_t) keys = { NULL, 0, 0 };
+    pbwsf__indices order = { NULL, 0, 0 };
+    pbw_status status = PBW_ERROR_MEMORY;
+    size_t i, k;
+    int late;
+    if (PBW_FIT(&w->memory, height, count) && PBW_FIT(&w->memory, keys, count) && PBW_FIT(&w->memory, order, count)
+        && PBW_FIT(&w->memory, c->vertex, count) && PBW_FIT(&w->memory, c->points, count)) {
+        for (i = 0; i < count; i++) {
+            memcpy(c->points.at[i], i < old ? w->vertices.at[i] : c->places.at[i - old], sizeof *c->points.at);
+            height.at[i] = pbwsf__dot(c->points.at[i], direction);
+            keys.at[i] = pbw_sort_key(height.at[i]);
+            c->vertex.at[i] = PBW_NONE;
+        }
+        c->points.count = count;
+        status = pbw_sort(keys.at, count, pbwm3__inner_options(w), order.at);
+    }
+    for (late = 0; late < 2 && status == PBW_OK; late++) {
+        for (i = 0; i < count; i++) {
+            const size_t at = order.at[i];
+            double best = within;
+            int up;
+            for (up = 0; (at >= old) == late && up < 2; up++) {
+                for (k = i; best > within / 8 && (up ? ++k < count : k-- > 0);) {
+                    const pbw_index other = c->vertex.at[order.at[k]];
+                    double d;
+                    if (!(fabs(height.at[order.at[k]] - height.at[at]) <= within)) {
+                        break;
+                    }
+                    d = other == PBW_NONE ? HUGE_VAL : pbwsf__distance(c->points.at[other], c->points.at[at]);
+                    if (d < best) {
+                        best = d;
+                        c->vertex.at[at] = other;
+                    }
+                }
+            }
+            if ((at >= old) == late && c->vertex.at[at] == PBW_NONE) {
+                c->vertex.at[at] = (pbw_index)at;
+            }
+        }
+    }
+    PBW_RELEASE(&w->memory, height);
+    PBW_RELEASE(&w->memory, keys);
+    PBW_RELEASE(&w->memory, order);
+    return status;
+}
+
+/* Returns whether a vertex is on an edge, up to rounding. */
+static int pbwm3__is_on_edge(const pbwm3__work *w, const pbwm3__cutting *c, pbw_index vertex, pbw_index a,
+                             pbw_index b)
+{
+    const double *p = c->points.at[vertex], *x = c->points.at[a], *y = c->points.at[b];
+    double along[3], from[3], near[3], square;
+    pbwsf__minus(y, x, along);
+    pbwsf__minus(p, x, from);
+    square = pbwsf__dot(along, along);
+    pbwsf__between(x, y, square > 0 ? fmin(1, fmax(0, pbwsf__dot(from, along) / square)) : 0, near);
+    return pbwsf__distance(p, near) <= PBWM3__WELD * w->size;
+}
+
+static uint64_t pbwm3__edge_key(pbw_index a, pbw_index b)
+{
+    return a < b ? (uint64_t)a << 32 | b : (uint64_t)b << 32 | a;
+}
+
+/* Sorts breaks by line, then by how far along they are, and drops those that are there again. */
+static pbw_status pbwm3__sort_breaks(pbwm3__work *w, pbwm3__cutting *c)
+{
+    const size_t count = c->breaks.count;
+    PBW_ARRAY(uint64_t) keys = { NULL, 0, 0 };
+    pbwsf__indices order = { NULL, 0, 0 };
+    PBW_ARRAY(pbwm3__break) from = { NULL, 0, 0 };
+    pbw_status status = PBW_FIT(&w->memory, keys, count + 1) && PBW_FIT(&w->memory, order, count + 1)
+                     && PBW_FIT(&w->memory, from, count + 1) ? PBW_OK : PBW_ERROR_MEMORY;
+    pbwm3__break *to = c->breaks.at;
+    size_t i, kept = 0;
+    int pass;
+    for (pass = 0; pass < 2 && status == PBW_OK && count > 0; pass++) {
+        for (i = 0; i < count; i++) {
+            keys.at[i] = pass == 1 ? pbwm3__edge_key(to[i].a, to[i].b)
+                       : pbw_sort_key(pbwsf__distance(c->points.at[to[i].a], c->points.at[to[i].vertex]));
+        }
+        memcpy(from.at, to, count * sizeof *to);
+        status = pbw_sort(keys.at, count, pbwm3__inner_options(w), order.at);
+        for (i = 0; i < count && status == PBW_OK; i++) {
+            to[i] = from.at[order.at[i]];
+        }
+    }
+    for (i = 0; i < count; i++) {
+        if (i == 0 || to[i].a != to[kept - 1].a || to[i].b != to[kept - 1].b || to[i].vertex != to[kept - 1].vertex) {
+            to[kept++] = to[i];
+        }
+    }
+    c->breaks.count = kept;
+    PBW_RELEASE(&w->memory, keys);
+    PBW_RELEASE(&w->memory, order);
+    PBW_RELEASE(&w->memory, from);
+    return status;
+}
+
+/* ---- one triangle ---- */
+
+/* The vertex of a triangle's corner. */
+static pbw_index pbwm3__vertex_at(const pbwm3__work *w, const pbwm3__cutting *c, pbw_index triangle, int corner)
+{
+    return c->vertex.at[w->triangles.at[triangle][corner]];
+}
+
+/* The ends of a segment. */
+static const pbw_index *pbwm3__ends_of(const pbwm3__work *w, const pbwm3__cutting *c, size_t pair)
+{
+    return c->vertex.at + w->vertices.count + 2 * pair;
+}
+
+/* The place of a vertex in `ids`, where it is added if it is not there; PBW_NONE without memory. */
+static pbw_index pbwm3__local(pbwm3__work *w, pbwm3__cutting *c, pbw_index vertex)
+{
+    if (c->slot.at[vertex] == PBW_NONE && PBW_PUSH(&w->memory, c->ids, vertex)) {
+        c->slot.at[vertex] = (pbw_index)(c->ids.count - 1);
+    }
+    return c->slot.at[vertex];
+}
+
+/* Adds the pieces of a line from a to b, between the breaks on it, to a list of places in `ids`. */
+static int pbwm3__list_line(pbwm3__work *w, pbwm3__cutting *c, pbw_index a, pbw_index b, pbwsf__pairs *list)
+{
+    const pbwm3__break *at = c->breaks.at;
+    const uint64_t key = pbwm3__edge_key(a, b);
+    size_t low = 0, high = c->breaks.count;
+    pbw_index piece[2];
+    int good = 1, more = a != b;
+    piece[0] = pbwm3__local(w, c, a < b ? a : b);
+    while (low < high) {
+        const size_t middle = (low + high) / 2;
+        const int below = pbwm3__edge_key(at[middle].a, at[middle].b) < key;
+        *(below ? &low : &high) = below ? middle + 1 : middle;
+    }
+    for (; good && more; low++) {
+        more = low < c->breaks.count && pbwm3__edge_key(at[low].a, at[low].b) == key;
+        piece[1] = pbwm3__local(w, c, more ? at[low].vertex : a < b ? b : a);
+        good = piece[0] != PBW_NONE && piece[1] != PBW_NONE && PBWM3__APPEND(w, *list, piece);
+        piece[0] = piece[1];
+    }
+    return good;
+}
+
+static int pbwm3__compare_along(const void *a, const void *b)
+{
+    const pbwm3__along_x *x = (const pbwm3__along_x *)a, *y = (const pbwm3__along_x *)b;
+    return x->x < y->x ? -1 : x->x > y->x ? 1 : (x->id > y->id) - (x->id < y->id);
+}
+
+/* Adds the vertices of a triangle that are on a line from a to b as breaks. */
+static int pbwm3__break_line(pbwm3__work *w, pbwm3__cutting *c, pbw_index a, pbw_index b)
+{
+    const double *x = c->flat.at + 2 * (size_t)c->slot.at[a], *y = c->flat.at + 2 * (size_t)c->slot.at[b];
+    const double from = fmin(x[0], y[0]) - PBWM3__WELD * w->size, to = fmax(x[0], y[0]) + PBWM3__WELD * w->size;
+    pbwm3__break one;
+    size_t low = 0, high = c->sorted.count;
+    int good = 1;
+    one.a = a < b ? a : b;
+    one.b = a < b ? b : a;
+    while (low < high) {
+        const size_t middle = (low + high) / 2;
+        *(c->sorted.at[middle].x < from ? &low : &high) = c->sorted.at[middle].x < from ? middle + 1 : middle;
+    }
+    for (; good && low < c->sorted.count && c->sorted.at[low].x <= to; low++) {
+        one.vertex = c->ids.at[c->sorted.at[low].id];
+        good = one.vertex == a || one.vertex == b || !pbwm3__is_on_edge(w, c, one.vertex, a, b)
+            || PBW_PUSH(&w->memory, c->breaks, one);
+    }
+    return good;
+}
+
+/* Lists the vertices of a triangle, and what its pieces must have as edges.  extra: the first of `extra` that may be
+   in it, which is moved on. */
+static int pbwm3__gather(pbwm3__work *w, pbwm3__cutting *c, pbw_index triangle, size_t *extra)
+{
+    double n[3];
+    size_t i;
+    int k, good = 1;
+    c->ids.count = c->rim.count = c->inner.count = 0;
+    for (k = 0; good && k < 3; k++) {
+        good = pbwm3__list_line(w, c, pbwm3__vertex_at(w, c, triangle, k), pbwm3__vertex_at(w, c, triangle,
+                                (k + 1) % 3), &c->rim);
+    }
+    for (i = c->first.at[triangle]; good && i < c->first.at[triangle + 1]; i++) {
+        const pbw_index *ends = pbwm3__ends_of(w, c, c->pairs.at[i]);
+        good = c->layer.at[c->pairs.at[i]]
+            || (ends[0] == ends[1] ? pbwm3__local(w, c, ends[0]) != PBW_NONE
+                : pbwm3__list_line(w, c, ends[0], ends[1], &c->inner));
+    }
+    for (; good && *extra < c->extra.count && c->extra.at[*extra][0] == triangle; ++*extra) {
+        good = pbwm3__local(w, c, c->vertex.at[w->vertices.count + c->extra.at[*extra][1]]) != PBW_NONE;
+    }
+    good = good && PBW_FIT(&w->memory, c->flat, 2 * c->ids.count);
+    pbwsf__normal_of(&w->surface, triangle, n);
+    for (i = 0; good && i < c->ids.count; i++) {
+        pbwm3__flatten(n, c->points.at[c->ids.at[i]], c->flat.at + 2 * i);
+    }
+    return good;
+}
+
+static void pbwm3__forget(pbwm3__cutting *c)
+{
+    size_t i;
+    for (i = 0; i < c->ids.count; i++) {
+        c->slot.at[c->ids.at[i]] = PBW_NONE;
+    }
+}
+
+/* Adds breaks: the vertices of a triangle that are on its edges and segments. */
+static int pbwm3__break_lines(pbwm3__work *w, pbwm3__cutting *c, pbw_index triangle, size_t *extra)
+{
+    size_t i;
+    int k, good = pbwm3__gather(w, c, triangle, extra);
+    c->sorted.count = 0;
+    for (i = 0; good && i < c->ids.count; i++) {
+        pbwm3__along_x item;
+        item.x = c->flat.at[2 * i];
+        item.id = (pbw_index)i;
+        good = PBW_PUSH(&w->memory, c->sorted, item);
+    }
+    if (good) {
+        qsort(c->sorted.at, c->sorted.count, sizeof *c->sorted.at, pbwm3__compare_along);
+    }
+    for (k = 0; good && k < 3; k++) {
+        good = pbwm3__break_line(w, c, pbwm3__vertex_at(w, c, triangle, k), pbwm3__vertex_at(w, c, triangle,
+                                 (k + 1) % 3));
+    }
+    for (i = c->first.at[triangle]; good && i < c->first.at[triangle + 1]; i++) {
+        const pbw_index *ends = pbwm3__ends_of(w, c, c->pairs.at[i]);
+        good = c->layer.at[c->pairs.at[i]] || ends[0] == ends[1] || pbwm3__break_line(w, c, ends[0], ends[1]);
+    }
+    pbwm3__forget(c);
+    return good;
+}
+
+enum { PBWM3__BREAK_PASSES = 6 };
+
+/* Finds the vertices of all cuts, and the edges and segments that they are on: what breaks a segment in one of its
+   triangles breaks it in the other, too, where it may be on more of them. */
+static pbw_status pbwm3__find_cuts(pbwm3__work *w, pbwm3__cutting *c)
+{
+    const size_t triangles = w->surface.triangle_count;
+    pbw_status status;
+    size_t i, extra, before = 1;
+    int pass, good = pbwm3__list_pairs(w, c);
+    for (i = 0; good && i < triangles && !pbwm3__ends_at(w, i, 256); i++) {
+        good = pbwm3__find_places(w, c, (pbw_index)i);
+    }
+    status = pbwm3__has_ended(w) ? PBW_CANCELLED : good ? pbwm3__weld_places(w, c) : PBW_ERROR_MEMORY;
+    if (status == PBW_OK && !PBW_FIT(&w->memory, c->slot, c->points.count + 1)) {
+        status = PBW_ERROR_MEMORY;
+    }
+    if (status == PBW_OK) {
+        memset(c->slot.at, 0xff, c->slot.capacity * sizeof *c->slot.at);
+    }
+    for (pass = 0; status == PBW_OK && pass < PBWM3__BREAK_PASSES && c->breaks.count != before; pass++) {
+        before = c->breaks.count;
+        for (i = extra = 0; good && i < triangles && !pbwm3__ends_at(w, i, 256); i++) {
+            good = c->first.at[i] == c->first.at[i + 1] || pbwm3__break_lines(w, c, (pbw_index)i, &extra);
+        }
+        status = pbwm3__has_ended(w) ? PBW_CANCELLED : good ? pbwm3__sort_breaks(w, c) : PBW_ERROR_MEMORY;
+    }
+    return status;
+}
+
+static int pbwm3__turn(const pbwm3__cutting *c, pbw_index u, pbw_index v, pbw_index p)
+{
+    return pbw_orient2(c->flat.at + 2 * (size_t)u, c->flat.at + 2 * (size_t)v, c->flat.at + 2 * (size_t)p);
+}
+
+/* Returns 3 t + i for the edge u v, across from corner i of the triangle to its left, PBW_NONE if there is none.
+   crossed: 1, the edge that u v crosses first, instead, if u v is none. */
+static pbw_index pbwm3__find_across_from(const pbwm3__cutting *c, pbw_index u, pbw_index v, int crossed)
+{
+    const pbw_index start = c->incident.at[u];
+    pbw_index found = PBW_NONE, at;
+    int back;
+    for (back = 0; back < 2; back++) {               /* around u to the left, then to the right */
+        for (at = start; at != PBW_NONE;) {
+            const pbw_index *corner = c->corner.at + 3 * (size_t)at;
+            const pbw_index k = corner[0] == u ? 0 : corner[1] == u ? 1 : 2;
+            const pbw_index left = corner[(k + 2) % 3], right = corner[(k + 1) % 3];
+            if (right == v) {
+                return 3 * at + (k + 2) % 3;
+            }
+            if (crossed && left == v) {
+                return PBW_NONE;
+            }
+            if (crossed && pbwm3__turn(c, u, v, right) < 0 && pbwm3__turn(c, u, v, left) > 0) {
+                found = 3 * at + k;
+            }
+            at = c->next.at[3 * (size_t)at + (back ? (k + 2) % 3 : (k + 1) % 3)];
+            if (at == start) {
+                return found;
+            }
+        }
+    }
+    return found;
+}
+
+/* Turns edge i of triangle t, across from that corner, into the other diagonal of the two triangles there, if that is
+   inside of both. */
+static int pbwm3__flip_edge(pbwm3__cutting *c, pbw_index edge)
+{
+    const pbw_index t = edge / 3, i = edge % 3, s = c->next.at[edge];
+    pbw_index *x = c->corner.at + 3 * (size_t)t, *y = c->corner.at + 3 * (size_t)s;
+    pbw_index *m = c->next.at + 3 * (size_t)t, *n = c->next.at + 3 * (size_t)s;
+    const pbw_index j = n[0] == t ? 0 : n[1] == t ? 1 : 2;
+    const pbw_index p = x[i], u = x[(i + 1) % 3], v = x[(i + 2) % 3], q = y[j];
+    const pbw_index to_vp = m[(i + 1) % 3], to_pu = m[(i + 2) % 3], to_uq = n[(j + 1) % 3], to_qv = n[(j + 2) % 3];
+    pbw_index k;
+    if (pbwm3__turn(c, p, u, q) <= 0 || pbwm3__turn(c, p, q, v) <= 0) {
+        return 0;
+    }
+    x[0] = p, x[1] = u, x[2] = q;
+    m[0] = to_uq, m[1] = s, m[2] = to_pu;
+    y[0] = p, y[1] = q, y[2] = v;
+    n[0] = to_qv, n[1] = to_vp, n[2] = t;
+    for (k = 0; k < 3 && to_uq != PBW_NONE; k++) {
+        pbw_index *link = c->next.at + 3 * (size_t)to_uq + k;
+        *link = *link == s ? t : *link;
+    }
+    for (k = 0; k < 3 && to_vp != PBW_NONE; k++) {
+        pbw_index *link = c->next.at + 3 * (size_t)to_vp + k;
+        *link = *link == t ? s : *link;
+    }
+    c->incident.at[p] = c->incident.at[q] = c->incident.at[u] = t;
+    c->incident.at[v] = s;
+    return 1;
+}
+
+/* Makes a b an edge, by flips of those that it crosses (Sloan 1993, "A fast algorithm for generating constrained
+   Delaunay triangulations").  queue: room.  Returns 0 if a vertex is on it or flips do not end, or without memory. */
+static int pbwm3__insert_edge(pbwm3__work *w, pbwm3__cutting *c, pbw_index a, pbw_index b, pbwsf__pairs *queue)
+{
+    pbw_index edge = pbwm3__find_across_from(c, a, b, 1);
+    size_t done, most;
+    if (edge == PBW_NONE || c->corner.at[edge] != a) {           /* it is one */
+        return pbwm3__find_across_from(c, a, b, 0) != PBW_NONE || pbwm3__find_across_from(c, b, a, 0) != PBW_NONE;
+    }
+    queue->count = 0;
+    for (;;) {                                       /* along a b, to the triangle of b */
+        const pbw_index t = edge / 3, i = edge % 3, s = c->next.at[edge];
+        const pbw_index *x = c->corner.at + 3 * (size_t)t, *n;
+        const pbw_index pair[2] = { x[(i + 1) % 3], x[(i + 2) % 3] };
+        pbw_index j, apex;
+        int side;
+        if (s == PBW_NONE || !PBWM3__APPEND(w, *queue, pair)) {
+            return 0;
+        }
+        n = c->next.at + 3 * (size_t)s;
+        j = n[0] == t ? 0 : n[1] == t ? 1 : 2;
+        apex = c->corner.at[3 * (size_t)s + j];
+        if (apex == b) {
+            break;
+        }
+        side = pbwm3__turn(c, a, b, apex);
+        if (side == 0) {
+            return 0;
+        }
+        edge = 3 * s + (side > 0 ? (j + 1) % 3 : (j + 2) % 3);
+    }
+    most = 64 + 16 * queue->count * (queue->count < 64 ? queue->count : 64);
+    for (done = 0; done < queue->count && done < most; done++) {
+        const pbw_index u = queue->at[done][0], v = queue->at[done][1];
+        pbw_index pair[2], s;
+        edge = pbwm3__find_across_from(c, u, v, 0);
+        s = edge != PBW_NONE ? c->next.at[edge] : PBW_NONE;
+        if (s == PBW_NONE) {
+            return 0;
+        }
+        pair[0] = u;
+        pair[1] = v;
+        if (pbwm3__flip_edge(c, edge)) {             /* the new edge: from corner 0 to corner 2 of the first */
+            pair[0] = c->corner.at[edge / 3 * 3];
+            pair[1] = c->corner.at[edge / 3 * 3 + 2];
+            if (pair[0] == a || pair[0] == b || pair[1] == a || pair[1] == b
+                || pbwm3__turn(c, a, b, pair[0]) == pbwm3__turn(c, a, b, pair[1])) {
+                continue;
+            }
+        }
+        if (!PBWM3__APPEND(w, *queue, pair)) {
+            return 0;
+        }
+    }
+    return done == queue->count;
+}
+
+/* Triangulates the vertices of a triangle.  Returns PBW_DEGENERATE if they are collinear. */
+static pbw_status pbwm3__triangulate_flat(pbwm3__work *w, pbwm3__cutting *c)
+{
+    pbw_options options = *pbwm3__inner_options(w);
+    pbw_mesh mesh;
+    pbw_status status;
+    memset(&mesh, 0, sizeof mesh);
+    options.threads = 1;
+    options.flags = PBW_BORROW | PBW_ANY_ORDER;
+    options.progress = NULL;
+    status = pbw_triangulate(2, c->flat.at, NULL, c->ids.count, &options, &mesh);
+    status = status == PBW_OK && mesh.duplicate_count > 0 ? PBW_DEGENERATE : status;
+    if (status == PBW_OK && (!PBW_FIT(&w->memory, c->corner, 3 * mesh.simplex_count)
+                             || !PBW_FIT(&w->memory, c->next, 3 * mesh.simplex_count)
+                             || !PBW_FIT(&w->memory, c->incident, mesh.point_count))) {
+        status = PBW_ERROR_MEMORY;
+    }
+    if (status == PBW_OK) {
+        c->corner.count = 3 * mesh.simplex_count;
+        memcpy(c->corner.at, mesh.simplices, c->corner.count * sizeof *c->corner.at);
+        memcpy(c->next.at, mesh.neighbors, c->corner.count * sizeof *c->next.at);
+        memcpy(c->incident.at, mesh.incident, mesh.point_count * sizeof *c->incident.at);
+    }
+    pbw_free(&mesh);
+    return status;
+}
+
+/* Adds the triangles between the pieces of the edges to the surface's pieces: those that the hull does not reach
+   without crossing them.  flags, queue: room. */
+static int pbwm3__take_pieces(pbwm3__work *w, pbwm3__cutting *c, pbw_index triangle, pbwsf__flags *flags,
+                              pbwsf__indices *queue)
+{
+    const size_t count = c->corner.count;
+    size_t i, done;
+    int good = PBW_ZEROS(&w->memory, *flags, count + count / 3);   /* of edges: 1, of the rim; then of triangles */
+    unsigned char *gone = good ? flags->at + count : NULL;
+    queue->count = 0;
+    for (i = 0; good && i < 2 * c->rim.count; i++) {
+        const pbw_index *pair = c->rim.at[i / 2];
+        const pbw_index edge = pbwm3__find_across_from(c, pair[i % 2], pair[1 - i % 2], 0);
+        if (edge != PBW_NONE) {
+            flags->at[edge] = 1;
+        }
+    }
+    for (i = 0; good && i < count; i++) {
+        if (c->next.at[i] == PBW_NONE && !flags->at[i] && !gone[i / 3]) {
+            gone[i / 3] = 1;
+            good = PBW_PUSH(&w->memory, *queue, (pbw_index)(i / 3));
+        }
+    }
+    for (done = 0; good && done < queue->count; done++) {
+        for (i = 3 * (size_t)queue->at[done]; good && i < 3 * (size_t)queue->at[done] + 3; i++) {
+            const pbw_index next = c->next.at[i];
+            if (next != PBW_NONE && !flags->at[i] && !gone[next]) {
+                gone[next] = 1;
+                good = PBW_PUSH(&w->memory, *queue, next);
+            }
+        }
+    }
+    for (i = 0; good && i < count / 3; i++) {
+        const pbw_index *x = c->corner.at + 3 * i;
+        const pbw_index piece[3] = { c->ids.at[x[0]], c->ids.at[x[1]], c->ids.at[x[2]] };
+        good = gone[i] || (PBWM3__APPEND(w, c->pieces, piece) && PBW_PUSH(&w->memory, c->parent, triangle));
+    }
+    return good;
+}
+
+static pbw_status pbwm3__cut_triangle(pbwm3__work *w, pbwm3__cutting *c, pbw_index triangle, pbwsf__flags *flags,
+                                      pbwsf__pairs *queue, pbwsf__indices *flood)
+{
+    pbw_status status = PBW_OK;
+    pbw_index whole[3];
+    size_t i;
+    for (i = 0; i < c->inner.count; i++) {
+        const pbw_index cut[2] = { c->ids.at[c->inner.at[i][0]], c->ids.at[c->inner.at[i][1]] };
+        if (!PBWM3__APPEND(w, c->cuts, cut)) {
+            return PBW_ERROR_MEMORY;
+        }
+    }
+    for (i = 0; i < 3; i++) {                        /* corners within reach of each other: it is gone */
+        if (pbwm3__vertex_at(w, c, triangle, (int)i) == pbwm3__vertex_at(w, c, triangle, (int)(i + 1) % 3)) {
+            return PBW_OK;
+        }
+    }
+    if (c->ids.count == 3) {
+        for (i = 0; i < 3; i++) {
+            whole[i] = pbwm3__vertex_at(w, c, triangle, (int)i);
+        }
+        return PBWM3__APPEND(w, c->pieces, whole) && PBW_PUSH(&w->memory, c->parent, triangle) ? PBW_OK
+             : PBW_ERROR_MEMORY;
+    }
+    status = pbwm3__triangulate_flat(w, c);
+    for (i = 0; status == PBW_OK && i < c->rim.count + c->inner.count; i++) {
+        const pbw_index *pair = i < c->rim.count ? c->rim.at[i] : c->inner.at[i - c->rim.count];
+        status = pbwm3__insert_edge(w, c, pair[0], pair[1], queue) ? PBW_OK : PBW_DEGENERATE;
+    }
+    for (i = 0; status == PBW_OK && i < c->rim.count + c->inner.count; i++) {    /* no edge took another's place */
+        const pbw_index *pair = i < c->rim.count ? c->rim.at[i] : c->inner.at[i - c->rim.count];
+        status = pbwm3__find_across_from(c, pair[0], pair[1], 0) != PBW_NONE
+              || pbwm3__find_across_from(c, pair[1], pair[0], 0) != PBW_NONE ? PBW_OK : PBW_DEGENERATE;
+    }
+    return status != PBW_OK ? status
+         : pbwm3__take_pieces(w, c, triangle, flags, flood) ? PBW_OK : PBW_ERROR_MEMORY;
+}
+
+/* Cuts all triangles into pieces.  Returns PBW_DEGENERATE if rounding leaves one that cannot be. */
+static pbw_status pbwm3__cut_all(pbwm3__work *w, pbwm3__cutting *c)
+{
+    const size_t triangles = w->surface.triangle_count;
+    pbwsf__flags flags = { NULL, 0, 0 };
+    pbwsf__pairs queue = { NULL, 0, 0 };
+    pbwsf__indices flood = { NULL, 0, 0 };
+    pbw_status status = PBW_FIT(&w->memory, c->piece_first, triangles + 1) ? PBW_OK : PBW_ERROR_MEMORY;
+    size_t t, extra = 0;
+    for (t = 0; status == PBW_OK && t < triangles; t++) {
+        c->piece_first.at[t] = c->pieces.count;
+        status = pbwm3__ends_at(w, t, 256) ? PBW_CANCELLED
+               : !pbwm3__gather(w, c, (pbw_index)t, &extra) ? PBW_ERROR_MEMORY
+               : pbwm3__cut_triangle(w, c, (pbw_index)t, &flags, &queue, &flood);
+        pbwm3__forget(c);
+    }
+    if (status == PBW_OK) {
+        c->piece_first.at[triangles] = c->pieces.count;
+    }
+    PBW_RELEASE(&w->memory, flags);
+    PBW_RELEASE(&w->memory, queue);
+    PBW_RELEASE(&w->memory, flood);
+    return status;
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   >>union        Shells that cross, made one surface.
+   In: pieces of triangles, which meet in whole edges and corners.  Out: the boundary of the union in the place of the
+   surface, turned outward.
+   Pieces that no cut separates are a patch, which is on the boundary if its front is outside of all shells and its
+   back is not.  Of patches that lie on each other, turned alike, the first one counts.  If the patches enclose
+   nothing, by rounding or as a triangle could not be cut, the surface stays as it is.
+   ------------------------------------------------------------------------------------------------------ */
+/* Returns whether p is in piece x of a triangle with normal n, in its plane. */
+static int pbwm3__is_in_piece(const pbwm3__cutting *c, const double n[3], const pbw_index *x, const double p[3])
+{
+    double flat[3][2], q[2];
+    int k;
+    pbwm3__flatten(n, p, q);
+    for (k = 0; k < 3; k++) {
+        pbwm3__flatten(n, c->points.at[x[k]], flat[k]);
+    }
+    for (k = 0; k < 3 && pbw_orient2(flat[k], flat[(k + 1) % 3], q) >= 0; k++) {
+    }
+    return k == 3;
+}
+
+/* Returns whether a piece of a lower patch, turned alike, lies at a place of a piece. */
+static int pbwm3__has_lower_layer(const pbwm3__work *w, const pbwm3__cutting *c, size_t *patch, size_t piece,
+                                  const double p[3])
+{
+    const pbw_index t = c->parent.at[piece];
+    size_t i, k;
+    for (i = c->first.at[t]; i < c->first.at[t + 1]; i++) {
+        const pbw_index *pair = w->crossing.at[c->pairs.at[i]], u = pair[0] == t ? pair[1] : pair[0];
+        double n[2][3];
+        if (!c->layer.at[c->pairs.at[i]]) {
+            continue;
+        }
+        pbwsf__normal_of(&w->surface, t, n[0]);
+        pbwsf__normal_of(&w->surface, u, n[1]);
+        for (k = c->piece_first.at[u]; pbwsf__dot(n[0], n[1]) > 0 && k < c->piece_first.at[u + 1]; k++) {
+            if (pbwm3__root_of(patch, k) < pbwm3__root_of(patch, piece)
+                && pbwm3__is_in_piece(c, n[1], c->pieces.at[k], p)) {
+                return 1;
+            }
+        }
+    }
+    return 0;
+}
+
+/* Returns whether a piece is on the boundary of the union: its front is outside of all shells, its back is not. */
+static int pbwm3__is_outer(const pbwm3__work *w, const pbwm3__cutting *c, size_t *patch, size_t piece)
+{
+    const double *x[3];
+    double n[3], middle[3], out[3], longest = 0, area, step;
+    int i, k, turns[2];
+    for (i = 0; i < 3; i++) {
+        x[i] = c->points.at[c->pieces.at[piece][i]];
+    }
+    pbwsf__normal(x[0], x[1], x[2], n);
+    area = sqrt(pbwsf__dot(n, n));
+    for (i = 0; i < 3; i++) {
+        longest = fmax(longest, pbwsf__distance(x[i], x[(i + 1) % 3]));
+    }
+    step = fmin(1e-6 * w->size, longest > 0 ? 0.1 * area / longest : 0);
+    for (i = 0; i < 2; i++) {
+        for (k = 0; k < 3; k++) {
+            middle[k] = (x[0][k] + x[1][k] + x[2][k]) / 3;
+            out[k] = middle[k] + (area > 0 ? (i == 0 ? step : -step) * n[k] / area : 0);
+        }
+        turns[i] = pbw_surface_turns(&w->surface, out) > 0;
+    }
+    return !turns[0] && turns[1] && !pbwm3__has_lower_layer(w, c, patch, piece, middle);
+}
+
+/* Joins the pieces that no cut separates: patch: trees of them. */
+static int pbwm3__join_pieces(pbwm3__work *w, pbwm3__cutting *c, size_t *patch)
+{
+    const size_t count = 3 * c->pieces.count;
+    pbwim__sorting sorting;
+    const pbwim__facet *edge = pbwm3__edges(w, c->pieces.at[0], c->pieces.count, c->points.count, &sorting);
+    size_t i, k, at = 0;
+    const int good = edge != NULL;
+    for (i = 0; good && i < count; i = k) {
+        const uint64_t key = pbwm3__edge_key(edge[i].v[0], edge[i].v[1]);
+        for (k = i + 1; k < count && memcmp(edge[i].v, edge[k].v, 2 * sizeof(pbw_index)) == 0; k++) {
+        }
+        while (at < c->cuts.count && pbwm3__edge_key(c->cuts.at[at][0], c->cuts.at[at][1]) < key) {
+            at++;
+        }
+        if (k - i == 2 && !(at < c->cuts.count && pbwm3__edge_key(c->cuts.at[at][0], c->cuts.at[at][1]) == key)) {
+            pbwm3__join(patch, edge[i].t, edge[i + 1].t);
+        }
+    }
+    pbwim__end_sorting(&w->memory, &sorting);
+    return good;
+}
+
+/* Sorts the cuts by their edges. */
+static pbw_status pbwm3__sort_cuts(pbwm3__work *w, pbwsf__pairs *cuts)
+{
+    PBW_ARRAY(uint64_t) keys = { NULL, 0, 0 };
+    pbwsf__indices order = { NULL, 0, 0 };
+    pbw_status status = PBW_FIT(&w->memory, keys, cuts->count + 1) && PBW_FIT(&w->memory, order, cuts->count + 1)
+                     ? PBW_OK : PBW_ERROR_MEMORY;
+    size_t i;
+    for (i = 0; status == PBW_OK && i < cuts->count; i++) {
+        keys.at[i] = pbwm3__edge_key(cuts->at[i][0], cuts->at[i][1]);
+    }
+    status = status != PBW_OK || cuts->count == 0 ? status
+           : pbw_sort(keys.at, cuts->count, pbwm3__inner_options(w), order.at);
+    for (i = 0; status == PBW_OK && i < cuts->count; i++) {
+        cuts->at[i][0] = (pbw_index)(keys.at[order.at[i]] >> 32);
+        cuts->at[i][1] = (pbw_index)(keys.at[order.at[i]] & 0xffffffffu);
+    }
+    PBW_RELEASE(&w->memory, keys);
+    PBW_RELEASE(&w->memory, order);
+    return status;
+}
+
+/* Returns whether the pieces that are kept enclose something: each edge runs as often one way as the other. */
+static int pbwm3__is_closed(pbwm3__work *w, const pbwsf__triples *pieces, size_t points, int *closed)
+{
+    pbwim__sorting sorting;
+    const size_t count = 3 * pieces->count;
+    const pbwim__facet *edge = pbwm3__edges(w, pieces->count > 0 ? pieces->at[0] : NULL, pieces->count, points,
+                                            &sorting);
+    size_t i, k;
+    long sum;
+    *closed = count > 0;
+    for (i = 0; edge != NULL && i < count; i = k) {
+        for (k = i, sum = 0; k < count && memcmp(edge[i].v, edge[k].v, 2 * sizeof(pbw_index)) == 0; k++) {
+            sum += edge[k].v[2] ? 1 : -1;
+        }
+        *closed &= sum == 0;
+    }
+    pbwim__end_sorting(&w->memory, &sorting);
+    return edge != NULL;
+}
+
+/* Keeps the pieces of patches that are on the boundary: those where the largest piece is. */
+static pbw_status pbwm3__choose_pieces(pbwm3__work *w, pbwm3__cutting *c, int *closed)
+{
+    pbwsf__counts trees = { NULL, 0, 0 }, best = { NULL, 0, 0 };
+    pbwsf__numbers areas = { NULL, 0, 0 };
+    pbwsf__flags keeps = { NULL, 0, 0 };
+    const size_t count = c->pieces.count;
+    pbw_status status = pbwm3__sort_cuts(w, &c->cuts);
+    size_t i, kept = 0;
+    int good = status == PBW_OK && pbwm3__start_trees(&w->memory, &trees, count)
+            && pbwm3__join_pieces(w, c, trees.at) && PBW_ZEROS(&w->memory, best, count + 1)
+            && PBW_ZEROS(&w->memory, areas, count + 1) && PBW_ZEROS(&w->memory, keeps, count + 1);
+    for (i = 0; good && i < count; i++) {
+        const size_t root = pbwm3__root_of(trees.at, i);
+        const pbw_index *x = c->pieces.at[i];
+        double n[3];
+        pbwsf__normal(c->points.at[x[0]], c->points.at[x[1]], c->points.at[x[2]], n);
+        if (!(pbwsf__dot(n, n) <= areas.at[root])) {
+            areas.at[root] = pbwsf__dot(n, n);
+            best.at[root] = i;
+        }
+    }
+    for (i = 0; good && i < count && !pbwm3__ends_at(w, i, 64); i++) {           /* a root is the least of its tree */
+        const size_t root = pbwm3__root_of(trees.at, i);
+        keeps.at[i] = root < i ? keeps.at[root] : (unsigned char)pbwm3__is_outer(w, c, trees.at, best.at[i]);
+    }
+    for (i = 0; good && i < count; i++) {
+        if (keeps.at[i]) {
+            memmove(c->pieces.at[kept], c->pieces.at[i], sizeof *c->pieces.at);
+            c->parent.at[kept++] = c->parent.at[i];
+        }
+    }
+    c->pieces.count = c->parent.count = good ? kept : count;
+    good = good && pbwm3__is_closed(w, &c->pieces, c->points.count, closed);
+    PBW_RELEASE(&w->memory, trees);
+    PBW_RELEASE(&w->memory, best);
+    PBW_RELEASE(&w->memory, areas);
+    PBW_RELEASE(&w->memory, keeps);
+    return pbwm3__has_ended(w) ? PBW_CANCELLED : good || status != PBW_OK ? status : PBW_ERROR_MEMORY;
+}
+
+/* Puts the pieces and their vertices in the place of the surface. */
+static pbw_status pbwm3__take_union(pbwm3__work *w, pbwm3__cutting *c)
+{
+    const pbw_solid_report before = *w->report;
+    pbwsf__vectors planes = { NULL, 0, 0 };
+    pbwsf__indices origin = { NULL, 0, 0 }, number = { NULL, 0, 0 };
+    size_t i, used = 0, closing = 0;
+    pbw_status status;
+    if (!PBW_FIT(&w->memory, planes, c->pieces.count) || !PBW_FIT(&w->memory, origin, c->pieces.count)
+        || !PBW_FIT(&w->memory, number, c->points.count)) {
+        PBW_RELEASE(&w->memory, planes);
+        PBW_RELEASE(&w->memory, origin);
+        return PBW_ERROR_MEMORY;
+    }
+    memset(number.at, 0xff, number.capacity * sizeof *number.at);
+    for (i = 0; i < c->pieces.count; i++) {
+        const pbw_index parent = c->parent.at[i];
+        closing += parent >= w->first_closing;
+        origin.at[i] = w->origin.at[parent];
+        pbwsf__normal_of(&w->surface, parent, planes.at[i]);
+    }
+    origin.count = planes.count = c->pieces.count;
+    for (i = 0; i < 3 * c->pieces.count; i++) {
+        number.at[c->pieces.at[i / 3][i % 3]] = 0;
+    }
+    for (i = 0; i < c->points.count; i++) {
+        if (number.at[i] != PBW_NONE) {
+            memmove(c->points.at[used], c->points.at[i], sizeof *c->points.at);
+            number.at[i] = (pbw_index)used++;
+        }
+    }
+    c->points.count = used;
+    for (i = 0; i < 3 * c->pieces.count; i++) {
+        pbw_index *corner = &c->pieces.at[i / 3][i % 3];
+        *corner = number.at[*corner];
+    }
+    for (i = used = 0; i < c->cuts.count; i++) {     /* in their order */
+        const pbw_index a = number.at[c->cuts.at[i][0]], b = number.at[c->cuts.at[i][1]];
+        if (a != PBW_NONE && b != PBW_NONE) {
+            c->cuts.at[used][0] = a;
+            c->cuts.at[used++][1] = b;
+        }
+    }
+    c->cuts.count = used;
+    PBW_RELEASE(&w->memory, number);
+    PBW_RELEASE(&w->memory, w->vertices);
+    PBW_RELEASE(&w->memory, w->triangles);
+    PBW_RELEASE(&w->memory, w->origin);
+    pbwm3__drop_surface(w, &w->surface);
+    w->vertices = c->points;
+    w->triangles = c->pieces;
+    w->origin = origin;
+    w->planes = planes;
+    w->cuts = c->cuts;
+    memset(&c->points, 0, sizeof c->points);
+    memset(&c->pieces, 0, sizeof c->pieces);
+    memset(&c->cuts, 0, sizeof c->cuts);
+    w->shells.count = 0;
+    w->report->crowded_edges = w->report->doubles = 0;
+    w->report->input_volume = 0;
+    w->report->united = 1;
+    w->joined = 0;
+    if (!pbwm3__find_shells(w)) {
+        return PBW_ERROR_MEMORY;
+    }
+    w->first_closing = w->triangles.count - closing;
+    w->report->crowded_edges = before.crowded_edges;
+    w->report->doubles = before.doubles;
+    w->report->shells = before.shells;
+    status = pbwm3__make_surface(w, w->vertices.at[0], w->vertices.count, w->triangles.at[0], w->triangles.count,
+                                 &w->surface);
+    if (status == PBW_OK) {
+        pbwm3__nest_shells(w);
+    }
+    return status;
+}
+
+static void pbwm3__free_cutting(pbwm3__work *w, pbwm3__cutting *c)
+{
+    PBW_RELEASE(&w->memory, c->points);
+    PBW_RELEASE(&w->memory, c->places);
+    PBW_RELEASE(&w->memory, c->vertex);
+    PBW_RELEASE(&w->memory, c->first);
+    PBW_RELEASE(&w->memory, c->pairs);
+    PBW_RELEASE(&w->memory, c->layer);
+    PBW_RELEASE(&w->memory, c->extra);
+    PBW_RELEASE(&w->memory, c->breaks);
+    PBW_RELEASE(&w->memory, c->cuts);
+    PBW_RELEASE(&w->memory, c->pieces);
+    PBW_RELEASE(&w->memory, c->parent);
+    PBW_RELEASE(&w->memory, c->piece_first);
+    PBW_RELEASE(&w->memory, c->slot);
+    PBW_RELEASE(&w->memory, c->ids);
+    PBW_RELEASE(&w->memory, c->flat);
+    PBW_RELEASE(&w->memory, c->rim);
+    PBW_RELEASE(&w->memory, c->inner);
+    PBW_RELEASE(&w->memory, c->spans);
+    PBW_RELEASE(&w->memory, c->sorted);
+    PBW_RELEASE(&w->memory, c->corner);
+    PBW_RELEASE(&w->memory, c->next);
+    PBW_RELEASE(&w->memory, c->incident);
+}
+
+/* Makes one surface of shells that cross.  If rounding is in the way, they stay as they are. */
+static pbw_status pbwm3__unite(pbwm3__work *w)
+{
+    pbwm3__cutting c;
+    pbw_status status;
+    int closed = 0;
+    memset(&c, 0, sizeof c);
+    status = pbwm3__find_cuts(w, &c);
+    status = status != PBW_OK ? status : pbwm3__cut_all(w, &c);
+    status = status != PBW_OK ? status : pbwm3__choose_pieces(w, &c, &closed);
+    status = status == PBW_DEGENERATE || (status == PBW_OK && !closed) ? PBW_OK
+           : status != PBW_OK ? status : pbwm3__take_union(w, &c);
+    pbwm3__free_cutting(w, &c);
+    PBW_RELEASE(&w->memory, w->crossing);
+    PBW_RELEASE(&w->memory, w->segments);
+    return status;
+}
+
+/* ------------------------------------------------------------------------------------------------------
    >>features     Sharp edges at the scale of the size.
    In: edges with an angle above the feature angle, in the order of all edges.  Out: which of them are kept.
    ------------------------------------------------------------------------------------------------------ */
@@ -1836,6 +2825,16 @@ static int pbwm3__make_graph(pbwm3__work *w, pbwm3__graph *g)
         g->at.at[first[g->ends[i / 2][i % 2] + 1]++] = i / 2;
     }
     return 1;
+}
+
+/* The normal of a triangle; where shells are united, of that which it is a piece of, as a sliver has none. */
+static void pbwm3__plane_of(const pbwm3__work *w, pbw_index t, double n[3])
+{
+    if (w->planes.count > 0) {
+        memcpy(n, w->planes.at[t], 3 * sizeof *n);
+    } else {
+        pbwsf__normal_of(&w->surface, t, n);
+    }
 }
 
 static pbw_index pbwm3__other_end(const pbwm3__graph *g, size_t edge, pbw_index v)
@@ -1898,14 +2897,16 @@ static int pbwm3__mean_normal(const pbwm3__work *w, pbwm3__features *f, size_t t
     for (done = 0; done < count; done++) {
         const size_t at = queue[done] / 2;
         const double *c[3];
-        double n[3], length;
+        double n[3], length, whole;
         for (k = 0; k < 3; k++) {
             c[k] = pbwsf__corner(&w->surface, (pbw_index)at, k);
         }
         pbwsf__normal(c[0], c[1], c[2], n);
         length = sqrt(pbwsf__dot(n, n));
-        for (k = 0; k < 3 && length > 0; k++) {
-            n[k] *= (queue[done] % 2 ? -1 : 1) * fmin(1, w->size * w->size / length);
+        pbwm3__plane_of(w, (pbw_index)at, n);
+        whole = sqrt(pbwsf__dot(n, n));
+        for (k = 0; k < 3 && length > 0 && whole > 0; k++) {
+            n[k] *= (queue[done] % 2 ? -1 : 1) * fmin(length, w->size * w->size) / whole;
             sum[k] += n[k];
         }
         area += length / 2;
@@ -1947,7 +2948,7 @@ static int pbwm3__is_sharp_at_scale(const pbwm3__work *w, pbwm3__features *f, co
     for (i = 0; i < 2; i++) {
         const pbw_index t = edge[i].t;
         double length;
-        pbwsf__normal_of(&w->surface, t, n[i]);
+        pbwm3__plane_of(w, t, n[i]);
         length = sqrt(pbwsf__dot(n[i], n[i]));
         for (k = 0; k < 3; k++) {
             n[i][k] *= (i == 1 && edge[0].v[2] == edge[1].v[2] ? -1 : 1) / (length > 0 ? length : 1);
@@ -2084,17 +3085,32 @@ static int pbwm3__find_features(pbwm3__work *w, pbwm3__features *f, const pbwsf_
     return good;
 }
 
+/* Returns whether shells cross at an edge. */
+static int pbwm3__is_cut(const pbwm3__work *w, const pbw_index *edge)
+{
+    const uint64_t key = pbwm3__edge_key(edge[0], edge[1]);
+    size_t low = 0, high = w->cuts.count;
+    while (low < high) {
+        const size_t middle = (low + high) / 2;
+        const int below = pbwm3__edge_key(w->cuts.at[middle][0], w->cuts.at[middle][1]) < key;
+        *(below ? &low : &high) = below ? middle + 1 : middle;
+    }
+    return low < w->cuts.count && pbwm3__edge_key(w->cuts.at[low][0], w->cuts.at[low][1]) == key;
+}
+
 /* Chooses which of the candidates are kept; fixed: the edges that are always kept, two points each. */
 static int pbwm3__choose_sharp(pbwm3__work *w, pbwm3__features *f, const pbwsf__pairs *fixed)
 {
-    size_t i, kept = 0;
+    size_t i, kept = 0, counted = 0;
     int good = PBW_FIT(&w->memory, f->keeps, f->candidates.count + 1), sharp = w->sharp;
     if (good && f->candidates.count > 0 && (sharp == PBW_SOLID_SHARP_AUTO || sharp == PBW_SOLID_SHARP_SOME)) {
         good = pbwm3__find_features(w, f, fixed);
-        for (i = 0; good && i < f->candidates.count; i++) {
-            kept += (size_t)f->keeps.at[i];
+        for (i = 0; good && i < f->candidates.count; i++) {      /* those where shells cross say nothing of these */
+            const int cut = pbwm3__is_cut(w, f->edge[f->candidates.at[i]].v);
+            kept += !cut && f->keeps.at[i];
+            counted += !cut;
         }
-        w->report->sharp_share = (double)kept / (double)f->candidates.count;
+        w->report->sharp_share = counted > 0 ? (double)kept / (double)counted : -1;
     }
     if (sharp == PBW_SOLID_SHARP_AUTO) {
         sharp = w->report->sharp_share < 0 || w->report->sharp_share >= 0.85 ? PBW_SOLID_SHARP_ALL
@@ -2116,413 +3132,6 @@ static int pbwm3__choose_sharp(pbwm3__work *w, pbwm3__features *f, const pbwsf__
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   >>kinks        Where shells cross: sharp edges of their union.
-   In: pairs of triangles that meet, and what they have in common; the sharp edges of the surface.  Out: the sharp
-   edges of the union: pieces of those of the surface, and curves where shells cross; vertices where curves begin and
-   end.  Where triangles lie on each other, turned alike, and where not all sharp edges are kept, all stays as it is.
-   Nothing here decides what is inside, so places are rounded: one is on the union's boundary if some of what is a
-   millionth of the size around it has no shell around it, and some has.
-   ------------------------------------------------------------------------------------------------------ */
-enum { PBWM3__CIRCLE = 36 };
-
-typedef struct pbwm3__stars { pbwsf__counts first, at; } pbwm3__stars;    /* triangles at vertex v: as in the graph */
-
-/* Lists the triangles that have each vertex as a corner, or as an end of what they have in common with others. */
-static int pbwm3__make_stars(pbwm3__work *w, pbwm3__stars *stars)
-{
-    const size_t points = w->surface.point_count, corners = 3 * w->surface.triangle_count;
-    const size_t count = corners + w->crossed.count;
-    size_t *first, i;
-    if (!PBW_FIT(&w->memory, stars->first, points + 2)
-        || !PBW_FIT(&w->memory, stars->at, count + 1)) {
-        return 0;
-    }
-    first = stars->first.at;
-    memset(first, 0, (points + 2) * sizeof *first);
-    for (i = 0; i < count; i++) {
-        first[(i < corners ? w->surface.triangles[i] : w->crossed.at[i - corners][0]) + 2]++;
-    }
-    for (i = 0; i < points; i++) {
-        first[i + 2] += first[i + 1];
-    }
-    for (i = 0; i < count; i++) {
-        const pbw_index v = i < corners ? w->surface.triangles[i] : w->crossed.at[i - corners][0];
-        stars->at.at[first[v + 1]++] = i < corners ? i / 3 : w->crossed.at[i - corners][1];
-    }
-    return 1;
-}
-
-static void pbwm3__free_stars(pbwm3__work *w, pbwm3__stars *stars)
-{
-    PBW_RELEASE(&w->memory, stars->first);
-    PBW_RELEASE(&w->memory, stars->at);
-}
-
-static int pbwm3__is_at(const pbwm3__stars *stars, pbw_index v, size_t triangle)
-{
-    size_t i = stars->first.at[v];
-    while (i < stars->first.at[v + 1] && stars->at.at[i] != triangle) {
-        i++;
-    }
-    return i < stars->first.at[v + 1];
-}
-
-/* Adds the unit normal of a triangle. */
-static void pbwm3__add_outward(const pbwm3__work *w, pbw_index triangle, double out[3])
-{
-    double n[3], length;
-    int k;
-    pbwsf__normal_of(&w->surface, triangle, n);
-    length = sqrt(pbwsf__dot(n, n));
-    for (k = 0; k < 3 && length > 0; k++) {
-        out[k] += n[k] / length;
-    }
-}
-
-/* Returns whether p, a place of the surface, is on the boundary of the union; out: outward. */
-static int pbwm3__is_outer(const pbwm3__work *w, const double p[3], const double out[3])
-{
-    const double length = sqrt(pbwsf__dot(out, out));
-    double q[3];
-    int k;
-    for (k = 0; k < 3; k++) {
-        q[k] = p[k] + (length > 0 ? 1e-6 * w->size * out[k] / length : 0);
-    }
-    return pbw_surface_turns(&w->surface, q) <= 0;
-}
-
-/* Returns how much of a small circle around the middle of an edge is outside of the union, 0 to 1. */
-static double pbwm3__outside_of(const pbwm3__work *w, pbw_index a, pbw_index b)
-{
-    const double *p = w->surface.points + 3 * (size_t)a, *q = w->surface.points + 3 * (size_t)b;
-    double along[3], u[3] = { 0, 0, 0 }, v[3], middle[3], length[2];
-    int i, k, least = 0, outside = 0;
-    pbwsf__between(p, q, 0.5, middle);
-    pbwsf__minus(q, p, along);
-    for (k = 1; k < 3; k++) {
-        least = fabs(along[k]) < fabs(along[least]) ? k : least;
-    }
-    u[least] = 1;
-    pbwsf__cross(along, u, v);
-    pbwsf__cross(v, along, u);
-    length[0] = sqrt(pbwsf__dot(u, u));
-    length[1] = sqrt(pbwsf__dot(v, v));
-    for (i = 0; i < PBWM3__CIRCLE && length[0] > 0 && length[1] > 0; i++) {
-        const double angle = 6.283185307179586 * (i + 0.5) / PBWM3__CIRCLE, radius = 1e-6 * w->size;
-        double at[3];
-        for (k = 0; k < 3; k++) {
-            at[k] = middle[k] + radius * (cos(angle) * u[k] / length[0] + sin(angle) * v[k] / length[1]);
-        }
-        outside += pbw_surface_turns(&w->surface, at) <= 0;
-    }
-    return (double)outside / PBWM3__CIRCLE;
-}
-
-/* Makes vertices of the ends of all segments, one for those that are within a cell of 1e-7 sizes: rounding sets apart
-   what several triangles have in common. */
-static pbw_status pbwm3__weld_ends(pbwm3__work *w, pbwsf__pairs *ends)
-{
-    const size_t old = w->vertices.count, count = w->segments.count / 3;
-    const double cell = 1e-7 * w->size;
-    pbwsf__vectors all = { NULL, 0, 0 };
-    pbwsf__indices order = { NULL, 0, 0 };
-    pbw_status status = PBW_ERROR_MEMORY;
-    pbw_index vertex = PBW_NONE;
-    size_t i;
-    if (PBW_FIT(&w->memory, all, old + count) && PBW_FIT(&w->memory, order, old + count)
-        && PBW_FIT(&w->memory, *ends, count / 2) && PBW_RESERVE(&w->memory, w->vertices, count)) {
-        memcpy(all.at, w->vertices.at, old * sizeof *all.at);
-        memcpy(all.at + old, w->segments.at, count * sizeof *all.at);
-        for (i = 0; i < 3 * (old + count); i++) {
-            all.at[i / 3][i % 3] = floor(all.at[i / 3][i % 3] / cell + 0.5);
-        }
-        ends->count = count / 2;
-        status = pbw_order(3, all.at[0], old + count, pbwm3__inner_options(w), order.at);
-        status = status == PBW_DEGENERATE ? PBW_OK : status;
-    }
-    for (i = 0; status == PBW_OK && i < old + count; i++) {
-        const size_t at = order.at[i];
-        const double *p = all.at[at], *last = i > 0 ? all.at[order.at[i - 1]] : p;
-        if (at < old) {
-            vertex = (pbw_index)at;
-        } else if (i == 0 || p[0] < last[0] || p[0] > last[0] || p[1] < last[1] || p[1] > last[1] || p[2] < last[2]
-                   || p[2] > last[2]) {
-            vertex = (pbw_index)w->vertices.count;
-            memcpy(w->vertices.at + w->vertices.count++, w->segments.at + 3 * (at - old), sizeof *all.at);
-        }
-        if (at >= old) {
-            ends->at[(at - old) / 2][(at - old) % 2] = vertex;
-        }
-    }
-    w->surface.points = w->vertices.at[0];
-    w->surface.point_count = w->vertices.count;
-    PBW_RELEASE(&w->memory, all);
-    PBW_RELEASE(&w->memory, order);
-    return status;
-}
-
-/* A vertex on an edge, a b, of a triangle that meets another there. */
-typedef struct pbwm3__break { pbw_index a, b, vertex; } pbwm3__break;
-typedef PBW_ARRAY(pbwm3__break) pbwm3__breaks;
-
-/* Returns whether a vertex is on an edge, up to rounding. */
-static int pbwm3__is_on_edge(const pbwm3__work *w, pbw_index vertex, const pbw_index *edge)
-{
-    const double *p = w->surface.points + 3 * (size_t)vertex, *x = w->surface.points + 3 * (size_t)edge[0];
-    const double *y = w->surface.points + 3 * (size_t)edge[1];
-    double along[3], from[3], near[3], square;
-    pbwsf__minus(y, x, along);
-    pbwsf__minus(p, x, from);
-    square = pbwsf__dot(along, along);
-    pbwsf__between(x, y, square > 0 ? fmin(1, fmax(0, pbwsf__dot(from, along) / square)) : 0, near);
-    return pbwsf__distance(p, near) <= 1e-7 * w->size;
-}
-
-/* Lists the breaks at one end of a segment, on the edges of one triangle, and the triangle at the vertex. */
-static int pbwm3__list_breaks(pbwm3__work *w, pbw_index vertex, pbw_index triangle, pbwm3__breaks *breaks)
-{
-    const pbw_index *c = w->surface.triangles + 3 * (size_t)triangle;
-    const pbw_index item[2] = { vertex, triangle };
-    int k, good = PBWM3__APPEND(w, w->crossed, item);
-    for (k = 0; k < 3 && good; k++) {
-        const pbw_index edge[2] = { c[k], c[(k + 1) % 3] };
-        pbwm3__break one;
-        one.a = edge[0] < edge[1] ? edge[0] : edge[1];
-        one.b = edge[0] < edge[1] ? edge[1] : edge[0];
-        one.vertex = vertex;
-        good = edge[0] == vertex || edge[1] == vertex || !pbwm3__is_on_edge(w, vertex, edge)
-            || PBW_PUSH(&w->memory, *breaks, one);
-    }
-    return good;
-}
-
-static uint64_t pbwm3__break_key(const pbwm3__work *w, const pbwm3__break *b, int pass)
-{
-    return pass == 0 ? pbw_sort_key(pbwsf__distance(w->surface.points + 3 * (size_t)b->a,
-                                                    w->surface.points + 3 * (size_t)b->vertex))
-         : (uint64_t)b->a << 32 | b->b;
-}
-
-/* Sorts breaks by edge, then by how far along they are. */
-static pbw_status pbwm3__sort_breaks(pbwm3__work *w, pbwm3__breaks *breaks)
-{
-    PBW_ARRAY(uint64_t) keys = { NULL, 0, 0 };
-    pbwsf__indices order = { NULL, 0, 0 };
-    pbwm3__breaks sorted = { NULL, 0, 0 }, swap;
-    pbw_status status = PBW_FIT(&w->memory, keys, breaks->count + 1) && PBW_FIT(&w->memory, order, breaks->count + 1)
-                     && PBW_FIT(&w->memory, sorted, breaks->count + 1) ? PBW_OK : PBW_ERROR_MEMORY;
-    size_t i;
-    int pass;
-    for (pass = 0; pass < 2 && status == PBW_OK; pass++) {
-        for (i = 0; i < breaks->count; i++) {
-            keys.at[i] = pbwm3__break_key(w, breaks->at + i, pass);
-        }
-        status = pbw_sort(keys.at, breaks->count, pbwm3__inner_options(w), order.at);
-        for (i = 0; i < breaks->count && status == PBW_OK; i++) {
-            sorted.at[i] = breaks->at[order.at[i]];
-        }
-        sorted.count = breaks->count;
-        swap = *breaks;
-        *breaks = sorted;
-        sorted = swap;
-    }
-    PBW_RELEASE(&w->memory, keys);
-    PBW_RELEASE(&w->memory, order);
-    PBW_RELEASE(&w->memory, sorted);
-    return status;
-}
-
-static uint64_t pbwm3__edge_key(const pbw_index *edge)
-{
-    return edge[0] < edge[1] ? (uint64_t)edge[0] << 32 | edge[1] : (uint64_t)edge[1] << 32 | edge[0];
-}
-
-/* Sorts edges by their ends, and drops those that are there again. */
-static pbw_status pbwm3__sort_ends(pbwm3__work *w, pbwsf__pairs *list)
-{
-    PBW_ARRAY(uint64_t) keys = { NULL, 0, 0 };
-    pbwsf__indices order = { NULL, 0, 0 };
-    const size_t count = list->count;
-    pbw_status status = PBW_FIT(&w->memory, keys, count + 1) && PBW_FIT(&w->memory, order, count + 1) ? PBW_OK
-                      : PBW_ERROR_MEMORY;
-    size_t i;
-    for (i = 0; status == PBW_OK && i < count; i++) {
-        keys.at[i] = pbwm3__edge_key(list->at[i]);
-    }
-    status = status != PBW_OK ? status : pbw_sort(keys.at, count, pbwm3__inner_options(w), order.at);
-    list->count = status == PBW_OK ? 0 : count;
-    for (i = 0; status == PBW_OK && i < count; i++) {
-        const uint64_t key = keys.at[order.at[i]];
-        if (i == 0 || key != keys.at[order.at[i - 1]]) {
-            list->at[list->count][0] = (pbw_index)(key >> 32);
-            list->at[list->count++][1] = (pbw_index)(key & 0xffffffffu);
-        }
-    }
-    PBW_RELEASE(&w->memory, keys);
-    PBW_RELEASE(&w->memory, order);
-    return status;
-}
-
-/* Returns where the first key of a sorted list is that is not below `key`. */
-static size_t pbwm3__find_edge(const pbwsf__pairs *list, uint64_t key)
-{
-    size_t low = 0, high = list->count;
-    while (low < high) {
-        const size_t middle = (low + high) / 2;
-        if (pbwm3__edge_key(list->at[middle]) < key) {
-            low = middle + 1;
-        } else {
-            high = middle;
-        }
-    }
-    return low;
-}
-
-/* Returns whether the union is sharp at an edge.  outside: the fraction of a small circle around the edge that is
-   outside of the union. */
-static int pbwm3__is_kink(const pbwm3__work *w, double outside)
-{
-    return outside > 0 && outside < 1 && fabs(outside - 0.5) > acos(w->cosine) / 6.283185307179586;
-}
-
-/* Adds the pieces of sharp edges that are on the boundary of the union.  Pieces of those that others meet must be
-   sharp there, too, unless patches may meet at them. */
-static int pbwm3__cut_edges(pbwm3__work *w, const pbwm3__breaks *breaks, const pbwsf__pairs *list, pbwsf__pairs *out)
-{
-    size_t i, at = 0;
-    int good = 1;
-    for (i = 0; good && i < list->count && !pbwm3__ends_at(w, i, 64); i++) {
-        const uint64_t key = pbwm3__edge_key(list->at[i]);
-        pbw_index piece[2] = { list->at[i][0], PBW_NONE };
-        int broken = 0;
-        while (at < breaks->count && pbwm3__break_key(w, breaks->at + at, 1) < key) {
-            at++;
-        }
-        while (good && piece[0] != list->at[i][1]) {
-            const int more = at < breaks->count && pbwm3__break_key(w, breaks->at + at, 1) == key;
-            double outside;
-            broken |= more;
-            piece[1] = more ? breaks->at[at++].vertex : list->at[i][1];
-            outside = piece[0] == piece[1] ? 0 : pbwm3__outside_of(w, piece[0], piece[1]);
-            good = !(broken && w->input->patches == NULL ? pbwm3__is_kink(w, outside) : outside > 0 && outside < 1)
-                || PBWM3__APPEND(w, *out, piece);
-            piece[0] = piece[1];
-        }
-    }
-    return good;
-}
-
-/* Returns whether two vertices are on one sharp edge of a triangle. */
-static int pbwm3__is_along(const pbwm3__work *w, pbw_index triangle, const pbw_index *ends, const pbwsf__pairs *sharp)
-{
-    const pbw_index *c = w->surface.triangles + 3 * (size_t)triangle;
-    int i, k;
-    for (k = 0; k < 3; k++) {
-        const pbw_index edge[2] = { c[k], c[(k + 1) % 3] };
-        const uint64_t key = pbwm3__edge_key(edge);
-        const size_t at = pbwm3__find_edge(sharp, key);
-        for (i = 0; i < 2 && pbwm3__is_on_edge(w, ends[i], edge); i++) {
-        }
-        if (i == 2 && at < sharp->count && pbwm3__edge_key(sharp->at[at]) == key) {
-            return 1;
-        }
-    }
-    return 0;
-}
-
-/* Adds the segments of curves at which the union is sharp, but along sharp edges. */
-static int pbwm3__list_curves(pbwm3__work *w, const pbwsf__pairs *ends, const pbwsf__pairs *sharp, pbwsf__pairs *out)
-{
-    size_t i;
-    int good = 1;
-    for (i = 0; good && i < ends->count && !pbwm3__ends_at(w, i, 64); i++) {
-        const pbw_index *pair = w->crossing.at[i], *e = ends->at[i];
-        double n[2][3];
-        pbwsf__normal_of(&w->surface, pair[0], n[0]);
-        pbwsf__normal_of(&w->surface, pair[1], n[1]);
-        good = e[0] == e[1] || pbwim__turned_less(n[0], n[1], w->cosine) || pbwm3__is_along(w, pair[0], e, sharp)
-            || pbwm3__is_along(w, pair[1], e, sharp) || !pbwm3__is_kink(w, pbwm3__outside_of(w, e[0], e[1]))
-            || PBWM3__APPEND(w, *out, e);
-    }
-    return good;
-}
-
-/* Drops curves, connected edges from `fixed` on, that are shorter than four sizes together. */
-static int pbwm3__drop_short(pbwm3__work *w, size_t fixed, pbwsf__pairs *list)
-{
-    pbwsf__counts parents = { NULL, 0, 0 };
-    pbwsf__numbers lengths = { NULL, 0, 0 };
-    pbwm3__graph graph;
-    size_t i, kept = fixed;
-    int good;
-    memset(&graph, 0, sizeof graph);
-    graph.ends = list->at;
-    graph.count = list->count;
-    good = pbwm3__measure_parts(w, &graph, fixed, &parents, &lengths);
-    for (i = fixed; good && i < list->count; i++) {
-        if (lengths.at[pbwm3__root_of(parents.at, list->at[i][0])] > 4 * w->size) {
-            memmove(list->at[kept++], list->at[i], sizeof *list->at);
-        }
-    }
-    list->count = good ? kept : list->count;
-    PBW_RELEASE(&w->memory, parents);
-    PBW_RELEASE(&w->memory, lengths);
-    return good;
-}
-
-/* Returns whether two triangles of a pair lie on each other, turned alike.  Then many pairs give pieces of one line,
-   cut at different places. */
-static int pbwm3__are_layers(const pbwm3__work *w)
-{
-    size_t i;
-    int k;
-    for (i = 0; i < w->crossing.count; i++) {
-        const pbw_index t = w->crossing.at[i][0], u = w->crossing.at[i][1];
-        double n[2][3];
-        const double *a = pbwsf__corner(&w->surface, t, 0), *b = pbwsf__corner(&w->surface, t, 1);
-        const double *c = pbwsf__corner(&w->surface, t, 2);
-        for (k = 0; k < 3 && pbw_orient3(a, b, c, pbwsf__corner(&w->surface, u, k)) == 0; k++) {
-        }
-        pbwsf__normal_of(&w->surface, t, n[0]);
-        pbwsf__normal_of(&w->surface, u, n[1]);
-        if (k == 3 && pbwsf__dot(n[0], n[1]) > 0) {
-            return 1;
-        }
-    }
-    return 0;
-}
-
-/* Makes of the sharp edges of the surface those of the union. */
-static pbw_status pbwm3__join_edges(pbwm3__work *w, pbwsf__pairs *list)
-{
-    pbwsf__pairs ends = { NULL, 0, 0 }, out = { NULL, 0, 0 }, curves = { NULL, 0, 0 };
-    pbwm3__breaks breaks = { NULL, 0, 0 };
-    pbw_status status = pbwm3__weld_ends(w, &ends);
-    size_t i, fixed;
-    int good = status == PBW_OK;
-    for (i = 0; good && i < 4 * ends.count; i++) {
-        good = pbwm3__list_breaks(w, ends.at[i / 4][i % 2], w->crossing.at[i / 4][i / 2 % 2], &breaks);
-    }
-    status = good ? pbwm3__sort_breaks(w, &breaks) : status;
-    status = good && status == PBW_OK ? pbwm3__sort_ends(w, list) : status;
-    good = good && status == PBW_OK && pbwm3__cut_edges(w, &breaks, list, &out)
-        && pbwm3__list_curves(w, &ends, list, &curves);
-    status = good ? pbwm3__sort_ends(w, &curves) : status;
-    fixed = out.count;
-    for (i = 0; good && status == PBW_OK && i < curves.count; i++) {
-        good = PBWM3__APPEND(w, out, curves.at[i]);
-    }
-    good = good && status == PBW_OK && pbwm3__drop_short(w, fixed, &out);
-    PBW_RELEASE(&w->memory, *list);
-    *list = out;
-    w->report->sharp_edges = list->count;
-    PBW_RELEASE(&w->memory, ends);
-    PBW_RELEASE(&w->memory, curves);
-    PBW_RELEASE(&w->memory, breaks);
-    return status != PBW_OK ? status : good ? PBW_OK : PBW_ERROR_MEMORY;
-}
-
-/* ------------------------------------------------------------------------------------------------------
    >>chains       Sharp edges chained between corners, and the patches that they bound.
    In: the surface.  Out: `chains` of the sharp edges that are kept; per triangle its part and its patch; sets of the
    patches that meet at edges and corners.
@@ -2536,7 +3145,7 @@ static int pbwm3__is_sharp(const pbwm3__work *w, const pbwim__facet *edge)
     int i, k;
     for (i = 0; i < 2; i++) {
         const pbw_index t = edge[i].t;
-        pbwsf__normal_of(&w->surface, t, n[i]);
+        pbwm3__plane_of(w, t, n[i]);
         for (k = 0; k < 3 && i == 1 && edge[0].v[2] == edge[1].v[2]; k++) {          /* turned the other way */
             n[1][k] = -n[1][k];
         }
@@ -2547,11 +3156,13 @@ static int pbwm3__is_sharp(const pbwm3__work *w, const pbwim__facet *edge)
 /* The least angle, in degrees, between two of the first triangles of an edge, 16 at most. */
 static double pbwm3__angle_at(const pbwm3__work *w, const pbwim__facet *edge, size_t count)
 {
-    const double *a = w->surface.points + 3 * (size_t)edge[0].v[0], *b = w->surface.points + 3 * (size_t)edge[0].v[1];
     double n[16][3], across[3], least = HUGE_VAL;
     size_t i, k;
     for (i = 0; i < count && i < 16; i++) {
-        pbwsf__normal(a, b, pbwsf__corner(&w->surface, edge[i].t, (edge[i].i + 2) % 3), n[i]);
+        pbwm3__plane_of(w, edge[i].t, n[i]);
+        for (k = 0; k < 3 && !edge[i].v[2]; k++) {   /* as if all turned the edge the same way */
+            n[i][k] = -n[i][k];
+        }
         for (k = 0; k < i; k++) {
             pbwsf__cross(n[k], n[i], across);
             least = fmin(least, atan2(sqrt(pbwsf__dot(across, across)), pbwsf__dot(n[k], n[i])));
@@ -2716,6 +3327,46 @@ static int pbwm3__walk_chain(pbwm3__work *w, pbwm3__graph *g, pbw_index v, size_
 
 /* ---- patches at sharp edges and corners ---- */
 
+typedef struct pbwm3__stars { pbwsf__counts first, at; } pbwm3__stars;    /* triangles at vertex v: as in the graph */
+
+/* Lists the triangles that have each vertex as a corner. */
+static int pbwm3__make_stars(pbwm3__work *w, pbwm3__stars *stars)
+{
+    const size_t points = w->surface.point_count, count = 3 * w->surface.triangle_count;
+    size_t *first, i;
+    if (!PBW_FIT(&w->memory, stars->first, points + 2)
+        || !PBW_FIT(&w->memory, stars->at, count + 1)) {
+        return 0;
+    }
+    first = stars->first.at;
+    memset(first, 0, (points + 2) * sizeof *first);
+    for (i = 0; i < count; i++) {
+        first[w->surface.triangles[i] + 2]++;
+    }
+    for (i = 0; i < points; i++) {
+        first[i + 2] += first[i + 1];
+    }
+    for (i = 0; i < count; i++) {
+        stars->at.at[first[w->surface.triangles[i] + 1]++] = i / 3;
+    }
+    return 1;
+}
+
+static void pbwm3__free_stars(pbwm3__work *w, pbwm3__stars *stars)
+{
+    PBW_RELEASE(&w->memory, stars->first);
+    PBW_RELEASE(&w->memory, stars->at);
+}
+
+static int pbwm3__is_at(const pbwm3__stars *stars, pbw_index v, size_t triangle)
+{
+    size_t i = stars->first.at[v];
+    while (i < stars->first.at[v + 1] && stars->at.at[i] != triangle) {
+        i++;
+    }
+    return i < stars->first.at[v + 1];
+}
+
 /* Returns the number of a new set, of the patches of the triangles with corners u and v, which may be one vertex;
    (size_t)-1 if there is no memory. */
 static size_t pbwm3__set_at(pbwm3__work *w, const pbwm3__stars *stars, pbw_index u, pbw_index v)
@@ -2848,16 +3499,9 @@ static pbw_status pbwm3__find_chains(pbwm3__work *w)
 {
     pbwsf__pairs list = { NULL, 0, 0 };
     pbwm3__graph graph;
-    pbw_status status = PBW_OK;
     int good;
     memset(&graph, 0, sizeof graph);
     good = pbwm3__find_patches(w, &list) && (!w->open || pbwm3__drop_noise(w, &list));
-    w->kinks = good && w->joined && w->report->closing_crossings == 0 && w->report->sharp == PBW_SOLID_SHARP_ALL
-        && !pbwm3__are_layers(w);
-    if (w->kinks) {
-        status = pbwm3__join_edges(w, &list);
-    }
-    good = good && status == PBW_OK;
     graph.ends = list.at;
     graph.count = list.count;
     good = good && pbwm3__chain_all(w, &graph);
@@ -2865,7 +3509,7 @@ static pbw_status pbwm3__find_chains(pbwm3__work *w)
     PBW_RELEASE(&w->memory, graph.first);
     PBW_RELEASE(&w->memory, graph.at);
     PBW_RELEASE(&w->memory, graph.used);
-    return pbwm3__has_ended(w) ? PBW_CANCELLED : good || status != PBW_OK ? status : PBW_ERROR_MEMORY;
+    return pbwm3__has_ended(w) ? PBW_CANCELLED : good ? PBW_OK : PBW_ERROR_MEMORY;
 }
 
 /* Number i of a stream, from 0 to 1. */
@@ -3512,11 +4156,6 @@ static void pbwm3__throw_dart(const pbwm3__throw *b, uint64_t i, pbwm3__dart *da
         dart->size = size;
         dart->stays = !pbwm3__has_near(w, dart->p, 0.65 * size, PBWM3__SHARP, PBWM3__SMOOTH);
     }
-    if (dart->stays && w->kinks) {
-        double out[3] = { 0, 0, 0 };
-        pbwm3__add_outward(w, (pbw_index)low, out);
-        dart->stays = pbwm3__is_outer(w, dart->p, out);
-    }
 }
 
 static pbw_status pbwm3__throw_range(void *arg, size_t from, size_t to)
@@ -3755,16 +4394,15 @@ static int pbwm3__is_flat(const pbwm3__work *w, const pbw_index c[4], int bridge
     return pbwsf__is_near(&w->surface, middle, 0.16 * size);
 }
 
-/* Returns whether a tetrahedron's corners are all on the surface but on no common patch, or some where shells cross,
-   as patches go on there: it joins two sides of a sharp edge or of a thin wall.  Its middle gives the label, as
-   beneath acute edges the circumcentre is beyond the other side. */
+/* Returns whether a tetrahedron's corners are all on the surface but on no common patch: it joins two sides of a
+   sharp edge or of a thin wall.  Its middle gives the label, as beneath acute edges the circumcentre is beyond the
+   other side. */
 static int pbwm3__bridges(const pbwm3__work *w, const pbw_index c[4])
 {
-    int i, sharp = 0;
+    int i;
     for (i = 0; i < 4 && w->kind.at[c[i]] != PBWM3__INSIDE; i++) {
-        sharp |= w->kind.at[c[i]] == PBWM3__SHARP;
     }
-    return i == 4 && ((w->kinks && sharp) || pbwm3__common_patch(w, c, 4) == PBW_NONE);
+    return i == 4 && pbwm3__common_patch(w, c, 4) == PBW_NONE;
 }
 
 static void pbwm3__middle(const double *const p[4], double middle[3])
@@ -3789,18 +4427,11 @@ static int pbwm3__label_outside(const pbwm3__work *w, const double *const p[4], 
     double middle[3], place[3];
     pbw_index t;
     size_t around;
-    if (!w->nested && !w->walls && !w->kinks) {
+    if (!w->nested && !w->walls) {
         return 0;
     }
     pbwm3__middle(p, middle);
     t = pbw_surface_closest(&w->surface, middle, HUGE_VAL, place);
-    if (w->kinks) {                                  /* in the depth of the union none is outside */
-        double out[3] = { 0, 0, 0 };
-        if (t != PBW_NONE) {
-            pbwm3__add_outward(w, t, out);
-        }
-        return t != PBW_NONE && !pbwm3__is_outer(w, place, out) ? pbwm3__inside(w, middle) : 0;
-    }
     if (w->walls && t != PBW_NONE) {
         const pbw_index patch = w->whole ? PBW_NONE : pbwm3__common_patch(w, c, 4);
         const pbw_index at = patch == PBW_NONE ? t : w->firsts.at[patch];
@@ -3842,59 +4473,6 @@ static pbw_status pbwm3__label_range(void *arg, size_t from, size_t to)
                            : bridge ? pbwm3__label_of_middle(w, p) : pbwm3__inside(w, centre);
     }
     return PBW_OK;
-}
-
-/* Adds the tetrahedra that are labelled -1 and connected with the last of the queue, which is; they become 0. */
-static int pbwm3__flood_outside(pbwm3__work *w, pbwsf__indices *queue)
-{
-    int *label = w->now.label.at, good = 1;
-    size_t i, done;
-    for (done = queue->count - 1; good && done < queue->count; done++) {
-        for (i = 0; good && i < 4; i++) {
-            const pbw_index next = w->now.mesh.neighbors[4 * (size_t)queue->at[done] + i];
-            if (next != PBW_NONE && label[next] == -1) {
-                label[next] = 0;
-                good = PBW_PUSH(&w->memory, *queue, next);
-            }
-        }
-    }
-    return good;
-}
-
-/* With kinks: connected tetrahedra outside that do not reach the hull are inside, unless the middle of
-   one is outside.  Returns 0 if there is no memory. */
-static int pbwm3__close_voids(pbwm3__work *w)
-{
-    const size_t count = w->now.mesh.simplex_count;
-    int *label = w->now.label.at, good = 1, hull;
-    pbwsf__indices queue = { NULL, 0, 0 };
-    size_t t, i;
-    for (t = 0; t < count; t++) {                    /* -1: not reached */
-        label[t] = label[t] == 0 ? -1 : label[t];
-    }
-    for (hull = 1; hull >= 0; hull--) {
-        for (t = 0; good && t < count; t++) {
-            const pbw_index *next = w->now.mesh.neighbors + 4 * t;
-            int outside = hull;
-            if (label[t] != -1 || (hull && next[0] != PBW_NONE && next[1] != PBW_NONE && next[2] != PBW_NONE
-                                   && next[3] != PBW_NONE)) {
-                continue;
-            }
-            queue.count = 0;
-            label[t] = 0;
-            good = PBW_PUSH(&w->memory, queue, (pbw_index)t) && pbwm3__flood_outside(w, &queue);
-            for (i = 0; good && !outside && i < queue.count; i++) {
-                const pbw_index *c = w->now.mesh.simplices + 4 * (size_t)queue.at[i];
-                const double *const p[4] = { w->x.at[c[0]], w->x.at[c[1]], w->x.at[c[2]], w->x.at[c[3]] };
-                outside = pbwm3__label_of_middle(w, p) == 0;
-            }
-            for (i = 0; good && !outside && i < queue.count; i++) {
-                label[queue.at[i]] = 1;
-            }
-        }
-    }
-    PBW_RELEASE(&w->memory, queue);
-    return good;
 }
 
 /* The first place in a table of so many, a power of 2, for a tetrahedron with these corners. */
@@ -3957,11 +4535,10 @@ static pbw_status pbwm3__match_range(void *arg, size_t from, size_t to)
 }
 
 /* Finds the tetrahedra of the last triangulation of which no corner has moved, in a hash table.  Their centres,
-   labels and needs are what they were.  Where shells cross, labels depend on those of others.  Returns 0 without
-   memory. */
+   labels and needs are what they were.  Returns 0 without memory. */
 static int pbwm3__find_same(pbwm3__work *w)
 {
-    const size_t tells = w->kinks ? 0 : w->last.mesh.simplex_count, count = w->now.mesh.simplex_count;
+    const size_t tells = w->last.mesh.simplex_count, count = w->now.mesh.simplex_count;
     pbwsf__indices table = { NULL, 0, 0 };
     pbwm3__matching match = { w, NULL, 16 };
     int good = PBW_FIT(&w->memory, w->same, count + 1);
@@ -4006,8 +4583,7 @@ static pbw_status pbwm3__rebuild(pbwm3__work *w)
         return PBW_ERROR_MEMORY;
     }
     memset(w->moved.at, 0, w->moved.count);
-    status = pbw_for(pbwm3__inner_options(w), w->now.mesh.simplex_count, 256, pbwm3__label_range, w);
-    return status != PBW_OK ? status : !w->kinks || pbwm3__close_voids(w) ? PBW_OK : PBW_ERROR_MEMORY;
+    return pbw_for(pbwm3__inner_options(w), w->now.mesh.simplex_count, 256, pbwm3__label_range, w);
 }
 
 static int pbwm3__label_of(const pbwm3__work *w, pbw_index t)
@@ -5501,6 +6077,7 @@ static pbw_status pbwm3__take_input(pbwm3__work *w)
     if (status == PBW_OK) {
         pbwm3__nest_shells(w);
         status = in->value == NULL ? pbwm3__find_crossings(w) : PBW_OK;
+        status = status == PBW_OK && w->joined ? pbwm3__unite(w) : status;
         status = status != PBW_OK ? status : pbwm3__check_input(w);
     }
     if (status == PBW_OK) {
@@ -5554,7 +6131,8 @@ static void pbwm3__free(pbwm3__work *w)
     PBW_RELEASE(&w->memory, w->vertices);
     PBW_RELEASE(&w->memory, w->crossing);
     PBW_RELEASE(&w->memory, w->segments);
-    PBW_RELEASE(&w->memory, w->crossed);
+    PBW_RELEASE(&w->memory, w->planes);
+    PBW_RELEASE(&w->memory, w->cuts);
     PBW_RELEASE(&w->memory, w->triangles);
     PBW_RELEASE(&w->memory, w->origin);
     PBW_RELEASE(&w->memory, w->shell);

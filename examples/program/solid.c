@@ -68,7 +68,8 @@ static void warn_of(const job *j, const pbw_solid_report *r)
     }
     if (r->crossings > 0) {
         warn(j, "the surface meets itself: %zu pair%s of faces, the first at (%.6g, %.6g, %.6g); pbw check lists "
-             "them", COUNT(r->crossings), r->crossing_place[0], r->crossing_place[1], r->crossing_place[2]);
+             "them%s", COUNT(r->crossings), r->crossing_place[0], r->crossing_place[1], r->crossing_place[2],
+             r->united ? "; the solid is the union" : "");
     }
     if (r->closing_crossings > 0) {
         warn(j, "the triangles that close holes meet the surface or each other: %zu pair%s of faces; --wrap closes "

@@ -79,7 +79,7 @@ class _SolidReport(ctypes.Structure):
                 ("hole", _Hole * 8),
                 *((name, _double) for name in ("hole_share", "thickness", "estimate")),
                 ("crossings", _size), ("crossing_place", _double * 3),
-                ("closing_crossings", _size), ("refusal", ctypes.c_int), ("regions", _size), ("sharp", ctypes.c_int),
+                ("closing_crossings", _size), ("united", ctypes.c_int), ("refusal", ctypes.c_int), ("regions", _size), ("sharp", ctypes.c_int),
                 ("sharp_share", _double),
                 *((name, _size) for name in ("corners", "sharp_edges", "acute_edges")),
                 ("least_angle", _double), *((name, _size) for name in ("missing_edges", "bad_edges", "bad_points")),
