@@ -652,6 +652,67 @@ static void test_frozen(unsigned char mark, double half, int sized)
     test_end();
 }
 
+/* An allocator: new bytes are 0xff, so that a number that is not set is none. */
+static void *resize_unset(void *user, void *ptr, size_t old_size, size_t new_size)
+{
+    void *block = NULL;
+    (void)user;
+    if (new_size > 0) {
+        block = take(new_size);
+        memset(block, 0xff, new_size);
+        if (ptr != NULL) {
+            memcpy(block, ptr, old_size < new_size ? old_size : new_size);
+        }
+    }
+    free(ptr);
+    return block;
+}
+
+/* A cubic lattice with its cells' middles, all fixed, five pairs of them too near to each other: the first passes with
+   insertion have one block, and reserve points; when more tetrahedra are bad, all points get places along curves,
+   those too that are reserved and on no tetrahedron yet. */
+static void test_reserved(void)
+{
+    enum { SIDE = 12, PAIRS = 5, POINTS = SIDE * SIDE * SIDE + (SIDE - 1) * (SIDE - 1) * (SIDE - 1) };
+    static double x[POINTS][3];
+    static unsigned char marks[POINTS];
+    pbw_improve_report report;
+    pbw_options options;
+    pbw_mesh mesh;
+    pbw_tets in, out;
+    size_t i, k, last = 0;
+    int half, pair;
+    if (!test_begin("points reserved for insertions")) {
+        return;
+    }
+    for (half = 0; half < 2; half++) {
+        const size_t side = (size_t)(SIDE - half);
+        for (i = 0; i < side * side * side; i++, last++) {
+            x[last][0] = (double)(i % side) + 0.5 * half;
+            x[last][1] = (double)(i / side % side) + 0.5 * half;
+            x[last][2] = (double)(i / side / side) + 0.5 * half;
+        }
+    }
+    for (pair = 0; pair < PAIRS; pair++) {
+        const size_t at = (size_t)(3 + pair % 2 * 5 + SIDE * (3 + pair / 2 % 2 * 5 + SIDE * (3 + pair / 4 * 5)));
+        for (k = 0; k < 3; k++) {
+            x[at][k] += 0.4;                         /* its cell's middle is at 0.5 */
+        }
+    }
+    memset(marks, PBW_TETS_FIXED, sizeof marks);
+    memset(&options, 0, sizeof options);
+    options.resize = resize_unset;
+    CHECK_EQUAL(pbw_triangulate(3, x[0], NULL, POINTS, NULL, &mesh), PBW_OK);
+    in = view(&mesh);
+    in.marks = marks;
+    CHECK_EQUAL(pbw_improve(&in, NULL, &options, &out, &report), PBW_OK);
+    CHECK(is_sound(&out) && report.insertions > 0 && report.after.least > report.before.least);
+    test_say("%zu below 30 degrees, then %zu, %zu insertions", report.before.below[3], report.left, report.insertions);
+    pbw_tets_free(&out);
+    pbw_free(&mesh);
+    test_end();
+}
+
 /* Only smoothing: what the mesh connects stays, the least quality too, the mean of a measure rises; points of the
    cube stay on its sides and edges; threads change nothing. */
 static void test_smoothers(pbw_smoother smoother)
@@ -1280,6 +1341,7 @@ int main(int argc, char **argv)
     test_frozen(PBW_TETS_FROZEN, 0, 0);
     test_frozen(PBW_TETS_FROZEN, 0.5, 0);
     test_frozen(PBW_TETS_FROZEN, 0, 1);
+    test_reserved();
     test_smoothers(PBW_SMOOTHER_ODT);
     test_smoothers(PBW_SMOOTHER_LLOYD);
     test_smoothers(PBW_SMOOTHER_LAPLACIAN);
