@@ -1,9 +1,9 @@
-/* scaling.c: how calls on a finished mesh scale with threads: make bench-scaling [ARGS="COUNT THREADS..."]
+/* scaling.c: how calls on a finished mesh scale with threads: make bench-scaling [ARGS="[solids] COUNT THREADS..."]
 
    Uniform points (default 1,000,000; threads 1, 2, 4, ... up to the processors).  A row is one call, seconds of the
    clock, the best of three, and for more threads how many times as fast as on one.  Live batches are of a tenth of
    the points, commit included; moves are by a tenth of the mean distance, or anywhere.  The last rows mesh a ball in
-   steps that suit the number of points, once, and improve that mesh. */
+   steps that suit the number of points, once, and improve that mesh; with `solids` there are only these. */
 #define PBW_IMPLEMENTATION
 #define PBW_CHECK_IMPLEMENTATION
 #include "pbw_check.h"
@@ -27,7 +27,7 @@
 enum { MOST = 16, ROWS = 40, RUNS = 3 };
 
 typedef struct bench {
-    int dim, columns, column, threads[MOST], rows;
+    int dim, columns, column, threads[MOST], rows, only_solids;
     double seconds[ROWS][MOST];
     const char *names[ROWS];
     size_t count, batch;
@@ -233,13 +233,15 @@ static void run(bench *b)
         for (b->column = 0; b->column < b->columns; b->column++) {
             b->options.threads = b->threads[b->column];
             b->rows = 0;
-            all(b);
-            if (b->dim == 3 && run == 0) {
+            if (!b->only_solids) {
+                all(b);
+            }
+            if (b->only_solids || (b->dim == 3 && run == 0)) {
                 solids(b);
             }
         }
     }
-    b->rows += b->dim == 3 ? 2 : 0;
+    b->rows += !b->only_solids && b->dim == 3 ? 2 : 0;
     print(b);
     free(b->points);
     free(b->others);
@@ -252,6 +254,9 @@ int main(int argc, char **argv)
     bench b;
     int k;
     memset(&b, 0, sizeof b);
+    b.only_solids = argc > 1 && strcmp(argv[1], "solids") == 0;
+    argv += b.only_solids;
+    argc -= b.only_solids;
     b.count = argc > 1 ? (size_t)atol(argv[1]) : 1000000;
     b.batch = b.count / 10;
     for (k = 2; k < argc && b.columns < MOST; k++) {
@@ -260,7 +265,7 @@ int main(int argc, char **argv)
     for (k = 1; argc <= 2 && (k == 1 || k <= PBW__CORES()) && b.columns < MOST; k *= 2) {
         b.threads[b.columns++] = k;
     }
-    for (b.dim = 2; b.dim <= 3; b.dim++) {
+    for (b.dim = b.only_solids ? 3 : 2; b.dim <= 3; b.dim++) {
         run(&b);
     }
     return 0;

@@ -2375,7 +2375,7 @@ static pbwim__facet *pbwim__sort(const pbw_options *options, pbwim__sorting *s, 
     }
     s->compare = columns == 2 ? pbwim__compare_pairs : pbwim__compare_triples;
     status = status != PBW_OK ? status : pbw_for(options, count, PBWIM__SLICE, pbwim__place_items, s);
-    status = status != PBW_OK ? status : pbw_for(options, range, PBWIM__SLICE, pbwim__sort_items, s);
+    status = status != PBW_OK ? status : pbw_for(options, range, PBWIM__SLICE / 4, pbwim__sort_items, s);
     return status == PBW_OK ? s->other.at : NULL;
 }
 
@@ -2548,7 +2548,7 @@ static pbw_status pbwim__link(pbwim__linking *k)
         sum += (pbw_index)k->counts.at[p];
     }
     status = status != PBW_OK ? status : pbwim__for(m, m->tets, PBWIM__SLICE, pbwim__list_sides, k);
-    status = status != PBW_OK ? status : pbwim__for(m, m->points, PBWIM__SLICE, pbwim__link_sides, k);
+    status = status != PBW_OK ? status : pbwim__for(m, m->points, PBWIM__SLICE / 4, pbwim__link_sides, k);
     if (status == PBW_ERROR_ARGUMENT) {
         pbwim__set_message(m, "tetrahedra %zu and %zu are at a facet that others have, too",
                            k->sides.at[k->flaw].facet / 4, k->sides.at[k->flaw + 1].facet / 4);
@@ -2803,7 +2803,7 @@ static pbw_status pbwim__set_marks(pbwim__linking *k, const pbw_tets *in, double
         return PBW_ERROR_MEMORY;
     }
     pbwim__fix_features(m, edges, 3 * facets, cosine, 0);
-    status = pbwim__for(m, m->points, PBWIM__SLICE, pbwim__fix_joints, k);
+    status = pbwim__for(m, m->points, PBWIM__SLICE / 4, pbwim__fix_joints, k);
     if (status == PBW_OK && k->joints) {
         status = pbwim__for(m, m->tets, PBWIM__SLICE, pbwim__set_joint_stars, k);
     }
