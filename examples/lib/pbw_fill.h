@@ -38,7 +38,7 @@
 
    HOW
    1. Points are moved to a grid of 2^-29 of the surface's box, on which places between two of them are exact doubles:
-      all signs are then those of pbw.h.  Where that is too coarse, the grid has 2^-37 or 2^-45, or points stay as
+      all signs are then those of pbw.h.  Where that is too coarse, the grid has down to 2^-50, or points stay as
       they are, with fewer such places.  A box around the surface is triangulated with them.
    2. Edges of the triangles are segments, but for those between coplanar ones.  A segment that is no edge of the
       triangulation gets a point, until all pieces of segments are edges (Si and Gaertner 2005).
@@ -213,7 +213,7 @@ PBW_CONTRACTION_OFF                        /* fused operations would give other 
    corners of the box, then points that were added; at[v] is a tetrahedron of v, PBW_NONE for duplicates.
    ------------------------------------------------------------------------------------------------------ */
 enum { PBWFILL__STEPS = 22,                /* places on a segment are multiples of 2^-22 of it */
-       PBWFILL__LEVELS = 3,                /* of the grid */
+       PBWFILL__LEVELS = 5,                /* of the grid */
        PBWFILL__GRAIN = 4096 };            /* items of a range of pbw_for */
 
 typedef PBW_ARRAY(pbw_index) pbwfill__indices;
@@ -264,8 +264,7 @@ typedef struct pbwfill__work {
     int cancelled, stage;                  /* stage: its number */
     int starved;                           /* memory was short where only a place or a truth is returned */
     clock_t since;
-    int level, tries;                      /* of the grid: it has 2^-(29 + 8 level) of the box, none from LEVELS on;
-                                              how many levels were in vain */
+    int level, tries;                      /* of the grid, none from LEVELS on; how many levels were in vain */
     int exponent;                          /* coordinates of the input times 2^-exponent are below 1 */
     double unit, origin[3];                /* of the coarsest grid, for coordinates below 1 */
     pbwfill__doubles x;                    /* 3 a vertex, in units from the origin; in >>places the caller's */
@@ -539,6 +538,9 @@ static int pbwfill__new_vertex(pbwfill__work *w, const double p[3])
    signs; else it is nearer to 0 than all y, and a multiple of what is at most 2^-29 of the box.  So the difference is
    not larger than y, and a multiple of the last place of y or of that of the origin.
    ------------------------------------------------------------------------------------------------------ */
+/* Of each level: how many bits its grid is finer than the coarsest. */
+static const int pbwfill__finer[PBWFILL__LEVELS] = { 0, 8, 16, 20, 21 };
+
 /* x times 2^e, for e from -1100 to 1100. */
 static double pbwfill__scaled(double x, int e)
 {
@@ -565,7 +567,7 @@ static void pbwfill__choose_level(pbwfill__work *w)
         }
         shortest = length > 0 ? fmin(shortest, length) : shortest;
     }
-    while (first < PBWFILL__LEVELS && ldexp(shortest / w->unit, 8 * first) < 16384) {
+    while (first < PBWFILL__LEVELS && ldexp(shortest / w->unit, pbwfill__finer[first]) < 16384) {
         first++;
     }
     w->level = first + w->tries <= PBWFILL__LEVELS ? first + w->tries : PBWFILL__LEVELS - w->tries;
@@ -619,7 +621,7 @@ static pbw_status pbwfill__make_vertices(pbwfill__work *w)
     pbw_status status = pbwfill__fit_grid(w);
     size_t i, k;
     const size_t count = w->inputs + 8;
-    const double steps = ldexp(1, 8 * w->level);
+    const double steps = ldexp(1, w->level < PBWFILL__LEVELS ? pbwfill__finer[w->level] : 0);
     if (status != PBW_OK) {
         return status;
     }
