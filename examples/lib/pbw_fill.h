@@ -3355,7 +3355,6 @@ static pbw_status pbwfill__flip(pbwfill__work *w, pbwfill__flats *f, pbw_index a
     const pbw_index c = pbwfill__apex(f, at[0], a, b), d = pbwfill__apex(f, at[1], a, b);
     pbwfill__part to[2];
     pbw_status status = PBW_OK;
-    pbw_index *gone[2];
     pbwfill__wedge wedge;
     int k;
     if (pbwfill__look_up(&w->segments, a < b ? a : b, a < b ? b : a, PBW_NONE) != PBW_NONE) {
@@ -3390,9 +3389,13 @@ static pbw_status pbwfill__flip(pbwfill__work *w, pbwfill__flats *f, pbw_index a
     if (status != PBW_OK) {
         return status;
     }
-    gone[0] = pbwfill__put(w, &f->sides, a, b, f->facet);            /* they are there, so nothing is allocated */
-    gone[1] = pbwfill__put(w, &f->sides, b, a, f->facet);
-    *gone[0] = *gone[1] = PBW_NONE;
+    for (k = 0; k < 2; k++) {
+        pbw_index *gone = pbwfill__put(w, &f->sides, k == 0 ? a : b, k == 0 ? b : a, f->facet);
+        if (gone == NULL) {
+            return PBW_ERROR_MEMORY;
+        }
+        *gone = PBW_NONE;
+    }
     f->parts.at[at[0]] = to[0];
     f->parts.at[at[1]] = to[1];
     pbwfill__follow_parts(w, f);
