@@ -347,7 +347,7 @@ static const part_entry parts[] = {
     { "blade", part_blade, 0.05, 2 }, { "cup", part_cup, 0.06, 2 }, { "knob", part_knob, 0.06, 0 },
     { "fins", part_fins, 0.05, 2 }
 };
-enum { PART_L = 0, PART_HOLE = 1, PART_WEDGE = 5, PART_SPIKE = 6, PART_BALL = 7, PART_TUBES = 11,
+enum { PART_L = 0, PART_HOLE = 1, PART_GEAR = 3, PART_WEDGE = 5, PART_SPIKE = 6, PART_BALL = 7,
        PART_COUNT = sizeof parts / sizeof *parts };
 
 /* Makes part number i, turned or not.  Returns its volume. */

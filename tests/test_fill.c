@@ -625,7 +625,7 @@ static size_t fail_allocations(const pbw_fill_input *in, const pbw_fill_options 
 static void test_turned_later(void)
 {
     static const struct { size_t part; double wide; int conforming; } cases[3] = {
-        { PART_HOLE, 5e7, 1 }, { PART_TUBES, 2e7, 1 }, { PART_TUBES, 2e7, 0 }
+        { PART_HOLE, 1e5, 1 }, { PART_HOLE, 1e5, 0 }, { PART_GEAR, 2e7, 1 }
     };
     size_t i, k;
     for (i = 0; i < 3; i++) {
