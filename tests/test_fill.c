@@ -411,6 +411,8 @@ static void add_box(double low, double high)
 
 /* ---- tests ---- */
 
+static size_t exact_triangles, exact_points;         /* of inputs that were filled exactly; points added to these */
+
 /* Fills, checks the result.  Returns the number of regions. */
 static size_t fill_and_check(const pbw_fill_input *in, const pbw_fill_options *how, double volume)
 {
@@ -430,6 +432,8 @@ static size_t fill_and_check(const pbw_fill_input *in, const pbw_fill_options *h
             test_say("%s", wrong);
         }
         CHECK_EQUAL(report.flat_tets, 0);
+        exact_triangles += exact ? in->triangle_count : 0;
+        exact_points += exact ? report.inner_points : 0;
         free_copy(&c);
     } else {
         test_say("%s, %zu faults", pbw_fill_refusal(report.refusal), report.fault_count);
@@ -459,6 +463,12 @@ static void test_all_parts(void)
             }
             test_end();
         }
+    }
+    if (test_begin("exact: few points stay inside")) {
+        if (!CHECK(25 * exact_points <= exact_triangles)) {
+            test_say("%zu points for %zu triangles", exact_points, exact_triangles);
+        }
+        test_end();
     }
 }
 
@@ -1297,26 +1307,35 @@ static void test_memory(void)
 static void test_threads(void)
 {
     static part m;
-    if (test_begin("the same bytes for any number of threads")) {
-        pbw_filled f[2];
-        pbw_fill_input in;
-        int i;
-        (void)part_make(PART_WEDGE, 1, &m);
-        in = input_of(m.x[0], m.points, m.t[0], m.triangles);
-        for (i = 0; i < 2; i++) {
-            pbw_options options;
-            memset(&options, 0, sizeof options);
-            options.threads = i == 0 ? 1 : 7;
-            CHECK_EQUAL(pbw_fill(&in, NULL, &options, f + i, NULL), PBW_OK);
+    size_t model;
+    for (model = 0; model < 2; model++) {
+        if (test_begin("the same bytes for any number of threads: %s", model == 0 ? "a wedge" : "cells")) {
+            pbw_filled f[2];
+            pbw_fill_input in;
+            uint64_t key = 0;
+            int i;
+            if (model == 0) {
+                (void)part_make(PART_WEDGE, 1, &m);
+                in = input_of(m.x[0], m.points, m.t[0], m.triangles);
+            } else {
+                (void)make_cells(16, 0.2, &key);     /* threads share more than 4,096 facets */
+                in = input_of_big();
+            }
+            for (i = 0; i < 2; i++) {
+                pbw_options options;
+                memset(&options, 0, sizeof options);
+                options.threads = i == 0 ? 1 : 7;
+                CHECK_EQUAL(pbw_fill(&in, NULL, &options, f + i, NULL), PBW_OK);
+            }
+            CHECK_EQUAL(f[0].tets.tet_count, f[1].tets.tet_count);
+            CHECK_EQUAL(f[0].tets.point_count, f[1].tets.point_count);
+            CHECK(memcmp(f[0].tets.corners, f[1].tets.corners, 4 * f[0].tets.tet_count * sizeof(pbw_index)) == 0);
+            CHECK(memcmp(f[0].tets.points, f[1].tets.points, 3 * f[0].tets.point_count * sizeof(double)) == 0);
+            CHECK(memcmp(f[0].facet_triangle, f[1].facet_triangle, f[0].facet_count * sizeof(pbw_index)) == 0);
+            pbw_fill_free(f);
+            pbw_fill_free(f + 1);
+            test_end();
         }
-        CHECK_EQUAL(f[0].tets.tet_count, f[1].tets.tet_count);
-        CHECK_EQUAL(f[0].tets.point_count, f[1].tets.point_count);
-        CHECK(memcmp(f[0].tets.corners, f[1].tets.corners, 4 * f[0].tets.tet_count * sizeof(pbw_index)) == 0);
-        CHECK(memcmp(f[0].tets.points, f[1].tets.points, 3 * f[0].tets.point_count * sizeof(double)) == 0);
-        CHECK(memcmp(f[0].facet_triangle, f[1].facet_triangle, f[0].facet_count * sizeof(pbw_index)) == 0);
-        pbw_fill_free(f);
-        pbw_fill_free(f + 1);
-        test_end();
     }
 }
 
