@@ -130,12 +130,12 @@ void nearest_rows(int dim, const pbw_mesh &mesh, const pbw_lists &stars, const s
     const cloud all = { mesh.points, mesh.point_count, std::size_t(dim) };
     typedef nanoflann::L2_Simple_Adaptor<double, cloud> metric;
     nanoflann::KDTreeSingleIndexAdaptor<metric, cloud> tree(dim, all, nanoflann::KDTreeSingleIndexAdaptorParams(10));
-    std::vector<pbw_index> found(8 * count);
-    std::vector<double> distances(8 * count);
+    std::vector<pbw_index> found(32 * count);
+    std::vector<double> distances(32 * count);
     pbw_options options = {};
     options.threads = 1;
     tree.buildIndex();
-    for (std::size_t k = 1; k <= 8; k += 7) {
+    for (const std::size_t k : { 1, 8, 32 }) {
         char name[80];
         std::snprintf(name, sizeof name, "%dD %d nearest, %s", dim, int(k), how);
         row(name, count, { k == 1 ? 1.5 : 1, 0, 0 }, [&] {
