@@ -199,7 +199,8 @@ build/bench_wraps: bench/wraps.c tests/wraps.h $(HEADERS)
 bench-wraps: $B/companions.a $B/libpbw.a build/bench_wraps
 	sh bench/wraps.sh build/bench_wraps $(MODELS)
 
-# Pages of models that enclose nothing, their wraps and the tetrahedra in these, in $B/gallery: bench/gallery.sh
+# Pages of models that enclose nothing, their wraps and the tetrahedra in these, and of unions, in $B/gallery:
+# bench/gallery.sh
 .PHONY: bench-gallery
 bench-gallery: $B/pbw
 	sh bench/gallery.sh $< $B/gallery
