@@ -3035,27 +3035,93 @@ static pbw_status pbwl__tuples_gather(void *arg, size_t from, size_t to)
     return PBW_OK;
 }
 
-/* Keeps in each of two sorted lists what is not in the other; marks the points of both, a bit each. */
-static void pbwl__changes_differ(pbw_changes *changes, size_t corners, uint64_t *mark)
-{
+/* Two sorted lists, cut where the lowest corner of simplices changes.  mark: a bit for each point. */
+#define PBWL__MOST_CUTS 64
+typedef struct pbwl__differing {
     pbw_index *tuple[2];
-    const size_t bytes = corners * sizeof(pbw_index), count[2] = { changes->deleted_count, changes->made_count };
-    size_t kept[2] = { 0, 0 }, i, j, k;
-    tuple[0] = (pbw_index *)(uintptr_t)changes->deleted;
-    tuple[1] = (pbw_index *)(uintptr_t)changes->made;
-    for (i = j = 0; i < count[0] || j < count[1]; ) {
-        const int order = i == count[0] ? 1 : j == count[1] ? -1
-                        : pbwl__tuple_order(tuple[0] + i * corners, tuple[1] + j * corners, corners);
-        const size_t at = order > 0 ? j : i, which = order > 0;
+    size_t from[2][PBWL__MOST_CUTS + 1], kept[2][PBWL__MOST_CUTS], corners;
+    uint64_t *mark;
+} pbwl__differing;
+
+/* Keeps in each of two sorted lists what is not in the other, of one cut; marks the points of both. */
+static void pbwl__differ_cut(void *arg, int cut)
+{
+    pbwl__differing *differing = (pbwl__differing *)arg;
+    const size_t corners = differing->corners, i_end = differing->from[0][cut + 1];
+    const size_t j_end = differing->from[1][cut + 1];
+    size_t i = differing->from[0][cut], j = differing->from[1][cut], k, to[2];
+    to[0] = i;
+    to[1] = j;
+    while (i < i_end || j < j_end) {
+        const int order = i == i_end ? 1 : j == j_end ? -1
+                        : pbwl__tuple_order(differing->tuple[0] + i * corners, differing->tuple[1] + j * corners,
+                                            corners);
+        const size_t which = order > 0;
         if (order != 0) {
-            const pbw_index *from = tuple[which] + at * corners;
+            const pbw_index *from = differing->tuple[which] + (order > 0 ? j : i) * corners;
             for (k = 0; k < corners; k++) {
-                mark[from[k] / 64] |= (uint64_t)1 << from[k] % 64;
+                const uint64_t bit = (uint64_t)1 << from[k] % 64;
+                uint64_t *word = differing->mark + from[k] / 64, old = PBW__LOAD(word);
+                while ((old & bit) == 0 && !PBW__CAS(word, &old, old | bit)) {
+                }
             }
-            memmove(tuple[which] + kept[which]++ * corners, from, bytes);
+            memmove(differing->tuple[which] + to[which]++ * corners, from, corners * sizeof(pbw_index));
         }
         i += order <= 0;
         j += order >= 0;
+    }
+    differing->kept[0][cut] = to[0] - differing->from[0][cut];
+    differing->kept[1][cut] = to[1] - differing->from[1][cut];
+}
+
+/* Returns how many simplices of a sorted list have a lowest corner below `corner`: a binary search. */
+static size_t pbwl__tuples_below(const pbw_index *tuple, size_t count, size_t corners, pbw_index corner)
+{
+    size_t from = 0;
+    while (from < count) {
+        const size_t middle = from + (count - from) / 2;
+        if (tuple[middle * corners] < corner) {
+            from = middle + 1;
+        } else {
+            count = middle;
+        }
+    }
+    return from;
+}
+
+/* Keeps in each of two sorted lists what is not in the other; marks the points of both. */
+static void pbwl__changes_differ(pbw__context *context, pbw_changes *changes, size_t corners, uint64_t *mark)
+{
+    const size_t count[2] = { changes->deleted_count, changes->made_count };
+    const size_t longer = count[1] > count[0];
+    const int tasks = pbw__tasks(context, count[longer], 16384);
+    const int cuts = tasks < PBWL__MOST_CUTS ? tasks : PBWL__MOST_CUTS;
+    pbwl__differing differing;
+    size_t kept[2] = { 0, 0 }, k;
+    int cut;
+    differing.tuple[0] = (pbw_index *)(uintptr_t)changes->deleted;
+    differing.tuple[1] = (pbw_index *)(uintptr_t)changes->made;
+    differing.corners = corners;
+    differing.mark = mark;
+    for (k = 0; k < 2; k++) {
+        differing.from[k][0] = 0;
+        differing.from[k][cuts] = count[k];
+        for (cut = 1; cut < cuts; cut++) {
+            const size_t at = pbw__share(count[longer], cut, cuts);
+            differing.from[k][cut] = pbwl__tuples_below(differing.tuple[k], count[k], corners,
+                                                        differing.tuple[longer][at * corners]);
+        }
+    }
+    pbw__for(context, cuts, pbwl__differ_cut, &differing);
+    for (cut = 0; cut < cuts; cut++) {
+        for (k = 0; k < 2; k++) {
+            pbw_index *tuple = differing.tuple[k];
+            const size_t from = differing.from[k][cut], more = differing.kept[k][cut];
+            if (kept[k] < from && more > 0) {
+                memmove(tuple + kept[k] * corners, tuple + from * corners, more * corners * sizeof(pbw_index));
+            }
+            kept[k] += more;
+        }
     }
     changes->deleted_count = kept[0];
     changes->made_count = kept[1];
@@ -3074,29 +3140,39 @@ PBW__INLINE unsigned pbwl__first_bit(uint64_t set)
 #endif
 }
 
-/* Lists the marked numbers. */
-static pbw_status pbwl__changes_points(pbw_memory *memory, pbw_changes *changes, const uint64_t *mark, size_t words)
+typedef struct pbwl__marks { const uint64_t *mark; pbw_index *points; } pbwl__marks;
+
+/* Lists the marked numbers of a range of words; where `points` is NULL, only counts them. */
+static size_t pbwl__list_marked(void *arg, size_t from, size_t to, size_t at)
 {
-    pbwl__owned_changes *owned = (pbwl__owned_changes *)changes->memory;
-    pbw_index *points;
-    size_t i;
+    const pbwl__marks *marks = (const pbwl__marks *)arg;
+    size_t found = 0, i;
     uint64_t rest;
-    for (i = 0; i < words; i++) {
-        for (rest = mark[i]; rest != 0; rest &= rest - 1) {
-            changes->point_count++;
+    for (i = from; i < to; i++) {
+        for (rest = marks->mark[i]; rest != 0; rest &= rest - 1) {
+            if (at != PBWL__COUNT && marks->points != NULL) {
+                marks->points[at + found] = (pbw_index)(64 * i) + (pbw_index)pbwl__first_bit(rest);
+            }
+            found++;
         }
     }
-    points = (pbw_index *)pbw__allocate(memory, changes->point_count + 1, sizeof(pbw_index));
-    if (points == NULL) {
+    return found;
+}
+
+/* Lists the marked numbers. */
+static pbw_status pbwl__changes_points(pbw__context *context, pbw_changes *changes, const uint64_t *mark,
+                                       size_t words)
+{
+    pbwl__owned_changes *owned = (pbwl__owned_changes *)changes->memory;
+    pbwl__marks marks = { mark, NULL };
+    changes->point_count = pbwl__list(context, words, pbwl__list_marked, &marks);
+    marks.points = (pbw_index *)pbw__allocate(&context->memory, changes->point_count + 1, sizeof(pbw_index));
+    if (marks.points == NULL) {
         return PBW_ERROR_MEMORY;
     }
     owned->points = changes->point_count + 1;
-    changes->points = points;
-    for (i = 0; i < words; i++) {
-        for (rest = mark[i]; rest != 0; rest &= rest - 1) {
-            *points++ = (pbw_index)(64 * i) + (pbw_index)pbwl__first_bit(rest);
-        }
-    }
+    changes->points = marks.points;
+    (void)pbwl__list(context, words, pbwl__list_marked, &marks);
     return PBW_OK;
 }
 
@@ -3115,12 +3191,12 @@ static pbw_status pbwl__changes_sort(pbw__context *context, const pbw_index **li
     tuples->tuple = (pbw_index *)(uintptr_t)*list;
     tuples->sorted = (pbw_index *)pbw__allocate(memory, words, sizeof(pbw_index));
     if (key != NULL && spare != NULL && tuples->sorted != NULL) {
-        status = pbw__for_range(context, count, PBW__TICK, 0.0, pbwl__tuples_turn, tuples);
+        status = pbw__for_range(context, count, 8192, 0.0, pbwl__tuples_turn, tuples);
     }
     if (status == PBW_OK) {
         tuples->key = count < PBW__TICK ? pbw__sort_keys(&sorting, 32, bits) : pbw__sort_by(&sorting, 32, bits);
         status = tuples->key == NULL ? PBW_CANCELLED
-               : pbw__for_range(context, count, PBW__TICK, 0.0, pbwl__tuples_gather, tuples);
+               : pbw__for_range(context, count, PBW__SMALLER(8192), 0.0, pbwl__tuples_gather, tuples);
     }
     pbw__release(memory, key, count, sizeof(uint64_t));
     pbw__release(memory, spare, count, sizeof(uint64_t));
@@ -3153,8 +3229,8 @@ static pbw_status pbwl__changes_close(pbw__context *context, pbw_changes *change
     }
     if (status == PBW_OK) {
         memset(mark, 0, words * sizeof(uint64_t));
-        pbwl__changes_differ(changes, (size_t)dim + 1, mark);
-        status = pbwl__changes_points(&context->memory, changes, mark, words);
+        pbwl__changes_differ(context, changes, (size_t)dim + 1, mark);
+        status = pbwl__changes_points(context, changes, mark, words);
     }
     pbw__release(&context->memory, mark, words, sizeof(uint64_t));
     pbw__release(&context->memory, digit, digits, sizeof(uint32_t));
@@ -3180,25 +3256,61 @@ static pbw_status pbwl__changes_start(const pbw_live *live, pbw_changes *changes
     return changes->deleted != NULL && changes->made != NULL ? PBW_OK : PBW_ERROR_MEMORY;
 }
 
-/* Adds a simplex of a core, if it is finite, to one of the lists. */
-static void pbwl__changes_add(const pbwl__core *core, const pbw_index *v, int dim, const pbw_index *list,
+/* What is listed: simplices that a journal saved, as they were or as they are now in their slots; those in slots that
+   were free; or all of a core.  list: gets the numbers of their corners. */
+typedef struct pbwl__change_list {
+    pbwl__core *core;
+    int what;
+    pbw_index *list;
+} pbwl__change_list;
+enum { PBWL__SAVED, PBWL__REMADE, PBWL__USED, PBWL__ALL };
+
+/* Lists the finite ones of simplices from..to-1, counted through all journals or all slots. */
+static size_t pbwl__list_changes(void *arg, size_t from, size_t to, size_t at)
+{
+    const pbwl__change_list *change = (const pbwl__change_list *)arg;
+    pbwl__core *core = change->core, *own = core;
+    const size_t dim = (size_t)core->kernel.dim;
+    size_t journal = 0, first = 0, found = 0, i, k;
+    for (i = from; i < to; i++) {
+        size_t t = i;
+        const pbw_index *v;
+        while (change->what != PBWL__ALL
+               && i - first >= (change->what == PBWL__USED ? own->used_slot_count : own->saved_count)) {
+            first += change->what == PBWL__USED ? own->used_slot_count : own->saved_count;
+            own = pbwl__journal(core, ++journal);
+        }
+        if (change->what != PBWL__ALL) {
+            t = change->what == PBWL__USED ? own->used_slot[i - first] : own->saved[i - first].slot;
+        }
+        v = change->what == PBWL__SAVED ? own->saved[i - first].corner : core->store.corner + 4 * t;
+        if (v[0] != PBW_NONE && v[dim] != PBW__GHOST) {
+            for (k = 0; k <= dim && at != PBWL__COUNT; k++) {
+                change->list[(at + found) * (dim + 1) + k] = core->name[v[k]];
+            }
+            found++;
+        }
+    }
+    return found;
+}
+
+/* Adds changes to a list that has *count simplices. */
+static void pbwl__changes_add(pbw__context *context, pbwl__core *core, int what, size_t items, const pbw_index *list,
                               size_t *count)
 {
-    pbw_index *to = (pbw_index *)(uintptr_t)list + *count * ((size_t)dim + 1);
-    int k;
-    if (v[0] != PBW_NONE && v[dim] != PBW__GHOST) {
-        for (k = 0; k <= dim; k++) {
-            to[k] = core->name[v[k]];
-        }
-        *count += 1;
-    }
+    pbwl__change_list change;
+    change.core = core;
+    change.what = what;
+    change.list = (pbw_index *)(uintptr_t)list + *count * ((size_t)core->kernel.dim + 1);
+    *count += pbwl__list(context, items, pbwl__list_changes, &change);
 }
 
 /* Lists the changes of a batch, from the journals. */
 static pbw_status pbwl__batch_changes(pbw_live *live, pbw_changes *changes)
 {
     pbwl__core *core = &live->core;
-    size_t saved = 0, taken = 0, i, j;
+    pbw__context *context = core->kernel.context;
+    size_t saved = 0, taken = 0, j;
     pbw_status status;
     for (j = 0; j <= core->tasks; j++) {
         saved += pbwl__journal(core, j)->saved_count;
@@ -3208,37 +3320,26 @@ static pbw_status pbwl__batch_changes(pbw_live *live, pbw_changes *changes)
     if (status != PBW_OK) {
         return status;
     }
-    for (j = 0; j <= core->tasks; j++) {
-        const pbwl__core *own = pbwl__journal(core, j);
-        for (i = 0; i < own->saved_count; i++) {
-            pbwl__changes_add(core, own->saved[i].corner, live->dim, changes->deleted, &changes->deleted_count);
-            pbwl__changes_add(core, core->store.corner + 4 * (size_t)own->saved[i].slot, live->dim, changes->made,
-                              &changes->made_count);
-        }
-        for (i = 0; i < own->used_slot_count; i++) {
-            pbwl__changes_add(core, core->store.corner + 4 * (size_t)own->used_slot[i], live->dim, changes->made,
-                              &changes->made_count);
-        }
-    }
-    return pbwl__changes_close(core->kernel.context, changes, live->dim, live->count);
+    pbwl__changes_add(context, core, PBWL__SAVED, saved, changes->deleted, &changes->deleted_count);
+    pbwl__changes_add(context, core, PBWL__REMADE, saved, changes->made, &changes->made_count);
+    pbwl__changes_add(context, core, PBWL__USED, taken, changes->made, &changes->made_count);
+    return pbwl__changes_close(context, changes, live->dim, live->count);
 }
 
 /* Lists the changes from the live core to another one. */
-static pbw_status pbwl__rebuild_changes(const pbw_live *live, const pbwl__core *core, pbw_changes *changes)
+static pbw_status pbwl__rebuild_changes(pbw_live *live, pbwl__core *core, pbw_changes *changes)
 {
-    const pbwl__core *old = &live->core;
+    pbwl__core *old = &live->core;
+    pbw__context *context = old->kernel.context;
     pbw_status status = pbwl__changes_start(live, changes, old->simplex_count, core->simplex_count);
-    size_t t;
     if (status != PBW_OK) {
         return status;
     }
-    for (t = 0; t < old->store.count && old->simplex_count > 0; t++) {
-        pbwl__changes_add(old, old->store.corner + 4 * t, live->dim, changes->deleted, &changes->deleted_count);
-    }
-    for (t = 0; t < core->store.count && core->simplex_count > 0; t++) {
-        pbwl__changes_add(core, core->store.corner + 4 * t, live->dim, changes->made, &changes->made_count);
-    }
-    return pbwl__changes_close(old->kernel.context, changes, live->dim, live->count);
+    pbwl__changes_add(context, old, PBWL__ALL, old->simplex_count > 0 ? old->store.count : 0, changes->deleted,
+                      &changes->deleted_count);
+    pbwl__changes_add(context, core, PBWL__ALL, core->simplex_count > 0 ? core->store.count : 0, changes->made,
+                      &changes->made_count);
+    return pbwl__changes_close(context, changes, live->dim, live->count);
 }
 
 /* ------------------------------------------------------------------------------------------------------
