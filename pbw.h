@@ -489,8 +489,7 @@ PBW__HOST_INLINE void pbw_atomic_max(size_t *x, size_t y)          /* raises *x 
 }
 
 /* The memory of a call, through one allocator.  Any thread may use it.  Large blocks get huge pages if there are any,
-   but not those of a caller's allocator.  Holds: used = the bytes of all its blocks <= peak; with a limit, peak <=
-   limit. */
+   but not those of a caller's allocator.  Holds: used = the bytes of all its blocks <= peak <= a limit. */
 typedef struct pbw_memory {
     void *(*resize)(void *user, void *ptr, size_t old_size, size_t new_size);        /* as in pbw_options */
     void *user;
@@ -1702,8 +1701,7 @@ static void *pbw__allocate_large(pbw__context *context, size_t count, size_t siz
    threads or on the caller's; and the caller's answers to progress.
    Holds: between two calls of pbw__for no task runs, and what tasks wrote is seen by all that follows (the team's
    word of work, or the promise of options.run, orders it).  While tasks run, `cancelled` is the only word that one
-   thread writes and another reads; it is only ever set, and a stale read only delays the end, so relaxed order
-   is enough.
+   thread writes and another reads; it is only ever set, and a stale read only delays the end: relaxed order does.
    ------------------------------------------------------------------------------------------------------ */
 /* Hooks for tests.  PBW__TEST_SMALL_SHARES: few points make many tasks; else PBW__SMALLER(items) are the items below
    which another task does not pay.  PBW__TEST_PAUSE(): where a test may delay a thread.
@@ -2966,8 +2964,7 @@ PBW__INLINE int pbw__orient(int dim, const double *const *x, const pbw__grid *gr
     return PBW__LIKELY(sign != PBW__OPEN) ? sign : pbw__undecided(dim, x, x[dim], grid, NULL);
 }
 
-/* Returns the orientation with p in place of corner i: the side of the facet across from it that p is on, +1
-   inside. */
+/* Returns the orientation with p in place of corner i: the side of the facet across from it, +1 inside. */
 static int pbw__side(int dim, const double **x, int i, const double *p, const pbw__grid *grid)
 {
     const double *corner = x[i];
@@ -3846,8 +3843,7 @@ static int pbw__order_rest(pbw__ordering *ordering, const pbw__part *part)
 }
 
 /* Writes the points from..to-1 of a part, in the order of its keys, behind record r.  Duplicates are neighbours; they
-   are listed where the first keys of the part were.  Prefetches points PBW__AHEAD of these.  Returns the last
-   record. */
+   are listed where the first keys of the part were.  Prefetches points PBW__AHEAD.  Returns the last record. */
 PBW__INLINE size_t pbw__order_place(const pbw__ordering *ordering, const pbw__part *part, size_t from, size_t to,
                                     size_t r, int dim)
 {
@@ -4297,8 +4293,7 @@ typedef struct pbw__carved {
 typedef struct pbw__edge { pbw_index low, high; pbw__link link; } pbw__edge;
 
 /* In 3D the vertices of a cavity get local numbers, in the order in which they are met, from a hash table: an entry
-   is stamp << 40 | vertex << 8 | number, and empty if the stamp is not that of this insertion.  Larger cavities do
-   without. */
+   is stamp << 40 | vertex << 8 | number, empty if its stamp is not this insertion's.  Larger cavities do without. */
 #define PBW__TABLE 1024
 #define PBW__LOCALS 256
 #define PBW__STAMP ((uint64_t)1 << 40)
@@ -6988,8 +6983,7 @@ static pbw_status pbw__build_all(pbw__context *context, pbw__store *store, const
         vertex, when another task asks for one of them, and at the end.
      3. A task that leaves a vertex asks the owner of the missing zone.  The owner reads that word after its current
         vertex or later; a stale read only delays the hand-over, so relaxed order is enough.
-     4. Shares are worked off in batches; after a batch the vertices left are tried again, as other tasks have moved
-        on.
+     4. Shares are worked off in batches; after a batch the vertices left are tried again, as others have moved on.
      5. A task that has finished its own share continues with the ends of other shares, far from their tasks.
      6. A walk starts in the zone of its vertex or near it: a long one would claim zones all along.
 
@@ -7438,8 +7432,7 @@ typedef struct pbw__emitted {
     pbw_index position, corner[4], neighbor[4];
 } pbw__emitted;
 
-/* Simplices that were read before their positions were free.  Positions free_from .. free_from+free_count-1
-   are free. */
+/* Simplices read before their positions were free.  Positions free_from .. free_from+free_count-1 are free. */
 typedef struct pbw__aside {
     pbw__emitted *simplex;
     size_t count, capacity, free_from, free_count;
@@ -8001,8 +7994,7 @@ typedef struct pbw__buffers {
     pbw_index position;                              /* one past the last that is still to be given */
 } pbw__buffers;
 
-/* Numbers the simplices of a region, in `count` slots.  later: the first rank of later shares, PBW_NONE if there are
-   none. */
+/* Numbers the simplices of a region, in `count` slots.  later: the first rank of later shares, or PBW_NONE. */
 PBW__INLINE void pbw__emit_region(const pbw__emission *emission, pbw__buffers *buffers, size_t region,
                                   const pbw_index *slot, size_t count, pbw_index later)
 {
@@ -9075,25 +9067,33 @@ PBWDEF pbw_status pbw_order(int dim, const double *points, size_t count, const p
      PBW__STORE_RELEASE         live              platform
      PBW__UNLIKELY              query live        platform
      pbw__abs4                  live              lanes
-     pbw__and4                  live              lanes
+     pbw__and4                  query live        lanes
      pbw__at_least              query live        lanes
      pbw__blend                 live              lanes
      pbw__columns               live              lanes
-     pbw__count4                live              lanes
+     pbw__count4                query live        lanes
      pbw__d4                    query live        lanes
      pbw__det2                  live              lanes
-     pbw__equal                 live              lanes
+     pbw__equal                 query live        lanes
      pbw__first                 live              lanes
+     pbw__first_lanes           query             lanes
      pbw__fma                   live              lanes
      pbw__fnma                  live              lanes
-     pbw__four                  live              lanes
-     pbw__greater               live              lanes
+     pbw__four                  query live        lanes
+     pbw__greater               query live        lanes
      pbw__half                  live              lanes
+     pbw__i4                    query             lanes
      pbw__join                  live              lanes
+     pbw__l4                    query             lanes
      pbw__load4d                query live        lanes
+     pbw__mask                  query             lanes
      pbw__max4                  query live        lanes
      pbw__min_lane              live              lanes
      PBW__OPERATION             live              lanes
+     pbw__or4                   query             lanes
+     pbw__order4                query             lanes
+     pbw__order4_of             query             lanes
+     pbw__reorder               query             lanes
      pbw__signs                 query live        lanes
      PBW__SIMD_INLINE           query live        lanes
      pbw__simd_works            query live        lanes
