@@ -356,10 +356,11 @@ static const char *judge(const pbw_filled *f, const pbw_fill_report *r, const pb
         return "the volume is wrong";
     }
     if (!how->conforming && r->refusal == PBW_FILL_FILLED) {
-        if (f->facet_count + r->doubles + r->collapsed != s.triangle_count) {
+        const size_t facets = f->facet_count + r->doubles + r->collapsed;
+        if (s.may_refuse == 2 ? facets < s.triangle_count : facets != s.triangle_count) {
             return "facets are missing";
         }
-        for (i = 0; i < f->facet_count; i++) {
+        for (i = 0; i < f->facet_count && facets == s.triangle_count; i++) {  /* more: of points on it */
             if (!is_triangle(f, i)) {
                 return "a facet is no triangle of the surface";
             }

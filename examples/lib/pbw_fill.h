@@ -58,8 +58,9 @@
 
    PROMISES  (tests/test_fill.c guards them)
      exact       all tetrahedra are positive, by exact signs, in the coordinates that come out.  The facets are the
-                 input's triangles, each once, unless report.refusal is PBW_FILL_POINTS_LEFT: then, and with
-                 options.conforming, each triangle, or each flat facet of coplanar ones, is a union of facets
+                 input's triangles, each once, unless report.refusal is PBW_FILL_POINTS_LEFT, or other points of the
+                 input are on triangles: then, and with options.conforming, each triangle, or each flat facet of
+                 coplanar ones, is a union of facets
      told        the input's triangle of each facet; why and where an input is refused; points that moved.  Near
                  misses are no reason to refuse
      same        the same bytes for any number of threads
