@@ -895,31 +895,32 @@ static void test_huge(void)
 }
 
 /* --- the tree of boxes and the mesh give the same answers: it is the mesh that answers few queries --- */
-static void check_boxes(int kind, int dim, size_t k)
+static void check_boxes(int kind, int dim, size_t n, size_t k)
 {
-    enum { N = 1000, FEW = 100 };
-    const size_t size = (size_t)dim;
-    static double points[3 * N], queries[3 * N], distances[2][64 * N];
-    static pbw_index found[2][64 * N];
+    enum { ROOM = 8000, FOUND = 8 * ROOM };
+    const size_t size = (size_t)dim, few = n / 10;
+    static double points[3 * ROOM], queries[3 * ROOM], distances[2][FOUND];
+    static pbw_index found[2][FOUND];
     pbw_mesh mesh;
     pbw_lists stars;
     size_t i;
-    input_fill(kind, dim, N, 1, points);
-    input_fill(kind, dim, N, 2, queries);
-    for (i = 0; i < N * size; i++) {
+    CHECK(n <= ROOM && n * k <= FOUND);
+    input_fill(kind, dim, n, 1, points);
+    input_fill(kind, dim, n, 2, queries);
+    for (i = 0; i < n * size; i++) {
         const size_t row = i / size;
         queries[i] = row % 50 == 0 ? 0.0 : row % 7 == 1 ? points[i] : row % 7 == 2 ? points[i] + 0.5
                    : row % 101 == 3 ? 1e4 * queries[i] : queries[i];
     }
-    CHECK_EQUAL(pbw_triangulate(dim, points, NULL, N, NULL, &mesh), PBW_OK);
+    CHECK_EQUAL(pbw_triangulate(dim, points, NULL, n, NULL, &mesh), PBW_OK);
     CHECK_EQUAL(pbw_stars(&mesh, NULL, &stars), PBW_OK);
-    CHECK_EQUAL(pbw_nearest(&mesh, NULL, queries, N, k, NULL, found[0], distances[0]), PBW_OK);
-    for (i = 0; i < N; i += FEW) {
-        CHECK_EQUAL(pbw_nearest(&mesh, &stars, queries + i * size, FEW, k, NULL, found[1] + i * k,
+    CHECK_EQUAL(pbw_nearest(&mesh, NULL, queries, n, k, NULL, found[0], distances[0]), PBW_OK);
+    for (i = 0; i < n; i += few) {
+        CHECK_EQUAL(pbw_nearest(&mesh, &stars, queries + i * size, few, k, NULL, found[1] + i * k,
                                 distances[1] + i * k), PBW_OK);
     }
-    CHECK(memcmp(found[0], found[1], N * k * sizeof(found[0][0])) == 0);
-    CHECK(memcmp(distances[0], distances[1], N * k * sizeof(distances[0][0])) == 0);
+    CHECK(memcmp(found[0], found[1], n * k * sizeof(found[0][0])) == 0);
+    CHECK(memcmp(distances[0], distances[1], n * k * sizeof(distances[0][0])) == 0);
     pbw_lists_free(&stars);
     pbw_free(&mesh);
 }
@@ -927,14 +928,12 @@ static void check_boxes(int kind, int dim, size_t k)
 static void test_boxes(void)
 {
     const int kinds[5] = { INPUT_UNIFORM, INPUT_SPHERE, INPUT_CLUSTERS, INPUT_LATTICE, INPUT_LINES };
-    const size_t some[3] = { 2, 8, 64 };
     int i;
     for (i = 0; i < 10; i++) {
         if (test_begin("nearest by boxes as by the mesh, %dD %s", 2 + i / 5, input_name(kinds[i % 5]))) {
-            size_t k;
-            for (k = 0; k < 3; k++) {
-                check_boxes(kinds[i % 5], 2 + i / 5, some[k]);
-            }
+            check_boxes(kinds[i % 5], 2 + i / 5, 1000, 2);
+            check_boxes(kinds[i % 5], 2 + i / 5, 8000, 8);
+            check_boxes(kinds[i % 5], 2 + i / 5, 1000, 64);
             test_end();
         }
     }
