@@ -744,6 +744,13 @@ static void test_fine(void)
         }
         test_end();
     }
+}
+
+/* Two bodies with corners about one double apart, turned, so that no doubles are on their edges. */
+static void test_too_fine(void)
+{
+    pbw_fill_input in;
+    size_t i;
     if (test_begin("an edge without doubles on it")) {
         pbw_filled f;
         pbw_fill_report report;
@@ -1349,6 +1356,7 @@ int main(int argc, char **argv)
     test_off_grid();
     test_turned_later();
     test_fine();
+    test_too_fine();
     test_improvement();
     test_inside();
     test_cells();
