@@ -144,8 +144,8 @@ static void report_on(const job *j, const pbw_wrap_report *r, size_t facets, siz
     report_step(j, "wrap", r->seconds[1], "alpha %.6g, offset %.6g, %zu round%s", r->alpha, r->offset,
                 COUNT(r->rounds));
     report_line(j, "%zu facet%s in %zu component%s, %zu point%s; %zu %s inside; "
-                "%.0f facets a second of processor time", COUNT(facets), COUNT(r->components), COUNT(points), tets, simplices(3, tets),
-                r->seconds[1] > 0 ? (double)facets / r->seconds[1] : 0);
+                "%.0f facets a second of processor time", COUNT(facets), COUNT(r->components), COUNT(points), tets,
+                simplices(3, tets), r->seconds[1] > 0 ? (double)facets / r->seconds[1] : 0);
     report_line(j, "volume %.9g, area %.9g", r->volume, r->area);
     if (r->repairs > 0) {
         report_line(j, "%zu tetrahedr%s put back for a manifold", r->repairs, r->repairs == 1 ? "on" : "a");
