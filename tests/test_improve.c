@@ -668,9 +668,9 @@ static void *resize_unset(void *user, void *ptr, size_t old_size, size_t new_siz
     return block;
 }
 
-/* A cubic lattice with its cells' middles, all fixed, five pairs of them too near to each other: the first passes with
-   insertion have one block, and reserve points; when more tetrahedra are bad, all points get places along curves,
-   those too that are reserved and on no tetrahedron yet. */
+/* A cubic lattice with its cells' middles, all fixed, five pairs of them too near to each other: the first passes
+   with insertion have one block, and reserve points; when more tetrahedra are bad, all points get places along
+   curves, those too that are reserved and on no tetrahedron yet. */
 static void test_reserved(void)
 {
     enum { SIDE = 12, PAIRS = 5, POINTS = SIDE * SIDE * SIDE + (SIDE - 1) * (SIDE - 1) * (SIDE - 1) };
@@ -707,7 +707,8 @@ static void test_reserved(void)
     in.marks = marks;
     CHECK_EQUAL(pbw_improve(&in, NULL, &options, &out, &report), PBW_OK);
     CHECK(is_sound(&out) && report.insertions > 0 && report.after.least > report.before.least);
-    test_say("%zu below 30 degrees, then %zu, %zu insertions", report.before.below[3], report.left, report.insertions);
+    test_say("%zu below 30 degrees, then %zu, %zu insertions", report.before.below[3], report.left,
+             report.insertions);
     pbw_tets_free(&out);
     pbw_free(&mesh);
     test_end();
