@@ -1015,6 +1015,9 @@ static pbw_status pbwwr__carve(pbwwr__work *w)
         if (w->verdicts.at[0].gate.radius < HUGE_VAL) {      /* facets are as many as 1 / radius^2 */
             w->done = fmax(w->done, 0.9 * pow(w->alpha / w->verdicts.at[0].gate.radius, 2));
         }
+        if (pbwwr__progress(w, PBW_STAGE_WORK, 0)) {
+            return PBW_CANCELLED;
+        }
         own.threads = count < PBWWR__FEW ? 1 : w->options.threads;           /* starting some takes longer */
         status = pbw_for(&own, count, PBWWR__GRAIN, pbwwr__decide_some, w);
         for (i = 0; i < count && status == PBW_OK; i++) {
@@ -1148,7 +1151,7 @@ static pbw_status pbwwr__make_manifold(pbwwr__work *w)
     pbw_memory *m = &w->memory;
     pbwsf__indices first = { NULL, 0, 0 }, queue = { NULL, 0, 0 };       /* per point one of its cells; points */
     pbw_status status = PBW_ERROR_MEMORY;
-    size_t i, k;
+    size_t i, k, looked = 0;
     if (!PBW_ZEROS(m, first, w->x.count) || !PBW_FIT(m, queue, w->x.count)) {
         goto done;
     }
@@ -1163,6 +1166,10 @@ static pbw_status pbwwr__make_manifold(pbwwr__work *w)
     while (queue.count > 0) {
         const pbw_index vertex = queue.at[--queue.count];
         pbw_index back;
+        if (looked++ % 1024 == 1023 && pbwwr__progress(w, PBW_STAGE_WORK, 0)) {
+            status = PBW_CANCELLED;
+            goto done;
+        }
         if (!pbwwr__find_star(w, vertex, first.at[vertex]) || !PBW_RESERVE(m, w->born, w->star.count)) {
             goto done;
         }
