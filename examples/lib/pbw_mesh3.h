@@ -1839,7 +1839,7 @@ typedef struct pbwm3__cutting {
     pbwsf__indices slot;                   /* per vertex, its place in `ids`, or PBW_NONE */
     pbwsf__indices ids;                    /* its vertices */
     pbwsf__numbers flat;                   /* two coordinates of each, so that the triangle turns left */
-    pbwsf__pairs rim, inner;               /* pieces of its edges, and of segments in it: places in `ids` */
+    pbwsf__pairs border, inner;            /* pieces of its edges, and of segments in it: places in `ids` */
     PBW_ARRAY(pbwm3__span) spans;
     PBW_ARRAY(pbwm3__along_x) sorted;
     pbwsf__indices corner, next, incident; /* its triangulation, as in pbw_mesh */
@@ -2151,10 +2151,10 @@ static int pbwm3__gather(pbwm3__work *w, pbwm3__cutting *c, pbw_index triangle, 
     double n[3];
     size_t i;
     int k, good = 1;
-    c->ids.count = c->rim.count = c->inner.count = 0;
+    c->ids.count = c->border.count = c->inner.count = 0;
     for (k = 0; good && k < 3; k++) {
         good = pbwm3__list_line(w, c, pbwm3__vertex_at(w, c, triangle, k), pbwm3__vertex_at(w, c, triangle,
-                                (k + 1) % 3), &c->rim);
+                                (k + 1) % 3), &c->border);
     }
     for (i = c->first.at[triangle]; good && i < c->first.at[triangle + 1]; i++) {
         const pbw_index *ends = pbwm3__ends_of(w, c, c->pairs.at[i]);
@@ -2395,11 +2395,11 @@ static int pbwm3__take_pieces(pbwm3__work *w, pbwm3__cutting *c, pbw_index trian
 {
     const size_t count = c->corner.count;
     size_t i, done;
-    int good = PBW_ZEROS(&w->memory, *flags, count + count / 3);   /* of edges: 1, of the rim; then of triangles */
+    int good = PBW_ZEROS(&w->memory, *flags, count + count / 3);   /* of edges: 1, of the border; then of triangles */
     unsigned char *gone = good ? flags->at + count : NULL;
     queue->count = 0;
-    for (i = 0; good && i < 2 * c->rim.count; i++) {
-        const pbw_index *pair = c->rim.at[i / 2];
+    for (i = 0; good && i < 2 * c->border.count; i++) {
+        const pbw_index *pair = c->border.at[i / 2];
         const pbw_index edge = pbwm3__find_across_from(c, pair[i % 2], pair[1 - i % 2], 0);
         if (edge != PBW_NONE) {
             flags->at[edge] = 1;
@@ -2453,12 +2453,12 @@ static pbw_status pbwm3__cut_triangle(pbwm3__work *w, pbwm3__cutting *c, pbw_ind
              : PBW_ERROR_MEMORY;
     }
     status = pbwm3__triangulate_flat(w, c);
-    for (i = 0; status == PBW_OK && i < c->rim.count + c->inner.count; i++) {
-        const pbw_index *pair = i < c->rim.count ? c->rim.at[i] : c->inner.at[i - c->rim.count];
+    for (i = 0; status == PBW_OK && i < c->border.count + c->inner.count; i++) {
+        const pbw_index *pair = i < c->border.count ? c->border.at[i] : c->inner.at[i - c->border.count];
         status = pbwm3__insert_edge(w, c, pair[0], pair[1], queue) ? PBW_OK : PBW_DEGENERATE;
     }
-    for (i = 0; status == PBW_OK && i < c->rim.count + c->inner.count; i++) {    /* no edge took another's place */
-        const pbw_index *pair = i < c->rim.count ? c->rim.at[i] : c->inner.at[i - c->rim.count];
+    for (i = 0; status == PBW_OK && i < c->border.count + c->inner.count; i++) {    /* no edge took another's place */
+        const pbw_index *pair = i < c->border.count ? c->border.at[i] : c->inner.at[i - c->border.count];
         status = pbwm3__find_across_from(c, pair[0], pair[1], 0) != PBW_NONE
               || pbwm3__find_across_from(c, pair[1], pair[0], 0) != PBW_NONE ? PBW_OK : PBW_DEGENERATE;
     }
@@ -2668,28 +2668,15 @@ static pbw_status pbwm3__choose_pieces(pbwm3__work *w, pbwm3__cutting *c, int *c
     return pbwm3__has_ended(w) ? PBW_CANCELLED : good || status != PBW_OK ? status : PBW_ERROR_MEMORY;
 }
 
-/* Puts the pieces and their vertices in the place of the surface. */
-static pbw_status pbwm3__take_union(pbwm3__work *w, pbwm3__cutting *c)
+/* Drops points that no piece has, and cuts with such an end. */
+static pbw_status pbwm3__drop_unused(pbwm3__work *w, pbwm3__cutting *c)
 {
-    const pbw_solid_report before = *w->report;
-    pbwsf__vectors planes = { NULL, 0, 0 };
-    pbwsf__indices origin = { NULL, 0, 0 }, number = { NULL, 0, 0 };
-    size_t i, used = 0, closing = 0;
-    pbw_status status;
-    if (!PBW_FIT(&w->memory, planes, c->pieces.count) || !PBW_FIT(&w->memory, origin, c->pieces.count)
-        || !PBW_FIT(&w->memory, number, c->points.count)) {
-        PBW_RELEASE(&w->memory, planes);
-        PBW_RELEASE(&w->memory, origin);
+    pbwsf__indices number = { NULL, 0, 0 };
+    size_t i, used = 0;
+    if (!PBW_FIT(&w->memory, number, c->points.count)) {
         return PBW_ERROR_MEMORY;
     }
-    memset(number.at, 0xff, number.capacity * sizeof *number.at);
-    for (i = 0; i < c->pieces.count; i++) {
-        const pbw_index parent = c->parent.at[i];
-        closing += parent >= w->first_closing;
-        origin.at[i] = w->origin.at[parent];
-        pbwsf__normal_of(&w->surface, parent, planes.at[i]);
-    }
-    origin.count = planes.count = c->pieces.count;
+    memset(number.at, 0xff, number.capacity * sizeof *number.at);    /* PBW_NONE */
     for (i = 0; i < 3 * c->pieces.count; i++) {
         number.at[c->pieces.at[i / 3][i % 3]] = 0;
     }
@@ -2713,6 +2700,30 @@ static pbw_status pbwm3__take_union(pbwm3__work *w, pbwm3__cutting *c)
     }
     c->cuts.count = used;
     PBW_RELEASE(&w->memory, number);
+    return PBW_OK;
+}
+
+/* Puts the pieces and their vertices in the place of the surface. */
+static pbw_status pbwm3__take_union(pbwm3__work *w, pbwm3__cutting *c)
+{
+    const pbw_solid_report before = *w->report;
+    pbwsf__vectors planes = { NULL, 0, 0 };
+    pbwsf__indices origin = { NULL, 0, 0 };
+    size_t i, closing = 0;
+    pbw_status status;
+    if (!PBW_FIT(&w->memory, planes, c->pieces.count) || !PBW_FIT(&w->memory, origin, c->pieces.count)
+        || pbwm3__drop_unused(w, c) != PBW_OK) {
+        PBW_RELEASE(&w->memory, planes);
+        PBW_RELEASE(&w->memory, origin);
+        return PBW_ERROR_MEMORY;
+    }
+    for (i = 0; i < c->pieces.count; i++) {
+        const pbw_index parent = c->parent.at[i];
+        closing += parent >= w->first_closing;
+        origin.at[i] = w->origin.at[parent];
+        pbwsf__normal_of(&w->surface, parent, planes.at[i]);
+    }
+    origin.count = planes.count = c->pieces.count;
     PBW_RELEASE(&w->memory, w->vertices);
     PBW_RELEASE(&w->memory, w->triangles);
     PBW_RELEASE(&w->memory, w->origin);
@@ -2762,7 +2773,7 @@ static void pbwm3__free_cutting(pbwm3__work *w, pbwm3__cutting *c)
     PBW_RELEASE(&w->memory, c->slot);
     PBW_RELEASE(&w->memory, c->ids);
     PBW_RELEASE(&w->memory, c->flat);
-    PBW_RELEASE(&w->memory, c->rim);
+    PBW_RELEASE(&w->memory, c->border);
     PBW_RELEASE(&w->memory, c->inner);
     PBW_RELEASE(&w->memory, c->spans);
     PBW_RELEASE(&w->memory, c->sorted);

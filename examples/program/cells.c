@@ -10,8 +10,8 @@ static const option cells_options[] = {
     { "--periodic", "xyz", "the axes along which the box repeats", AXES, 0, 0, NULL },
     { "--lattice", "X,Y[,Z],...", "all repeats by these vectors, at any angles: in 2D two, in 3D three",
       LATTICE, 0, 0, NULL },
-    { "--gpu", NULL, "mesh and cells by an NVIDIA GPU, for .csv: the same bytes (uneven points in a periodic box: the\n"
-      "same up to rounding); `make GPU=1` builds that in", SWITCH, 0, 0, NULL },
+    { "--gpu", NULL, "mesh and cells by an NVIDIA GPU, for .csv: the same bytes (uneven points in a\n"
+      "periodic box: the same up to rounding); `make GPU=1` builds that in", SWITCH, 0, 0, NULL },
     { "--merge", NULL, "the true diagram: centres that coincide are one corner, facets without area left out", SWITCH,
       0, 0, NULL },
     { NULL, NULL, NULL, SWITCH, 0, 0, NULL }
