@@ -26,6 +26,7 @@
      >>regions      what the facets enclose
      >>exact        points taken off the surface's edges again
      >>diagonals    flat facets cut into the input's triangles
+     >>spared       added points inside taken off
      >>inside       points inside, for sizes and shapes
      >>places       points back from the grid to the caller's places
      >>result       the caller's arrays
@@ -2505,8 +2506,9 @@ static pbw_status pbwfill__find_regions(pbwfill__work *w)
    places on the positive side of all faces are convex, and the copy climbs there as far from the nearest plane as it
    can.
    ------------------------------------------------------------------------------------------------------ */
-enum { PBWFILL__WRAPPED = 60, PBWFILL__STAR = 1500 };      /* most faces of wedges that are wrapped first; most
-                                                              tetrahedra at a point */
+enum { PBWFILL__WRAPPED = 60,              /* most faces of wedges that are wrapped first */
+       PBWFILL__STAR = 1500,               /* most tetrahedra at a point */
+       PBWFILL__MENDED = 100 };            /* most of other cavities that are filled again */
 
 typedef struct pbwfill__sector { pbw_index triangle, x, y; int wedge; } pbwfill__sector;   /* the face v x y of the
                                                              triangle, the wedge is on its positive side */
@@ -3121,30 +3123,6 @@ static pbw_status pbwfill__clear_surface(pbwfill__work *w, pbwfill__star *star)
     return status;
 }
 
-/* Takes the vertices from number `first` on off that can be spared inside, the last one first, with another pass over
-   those that had to stay, and at which tetrahedra have changed since, while some come off. */
-static pbw_status pbwfill__clear_inside(pbwfill__work *w, pbwfill__star *star, size_t first)
-{
-    pbw_status status = PBW_OK;
-    size_t i, taken = 1;
-    star->a = star->b = PBW_NONE;
-    star->wrapped = PBWFILL__WRAPPED;
-    memset(w->touched.at, 1, w->touched.count);
-    while (taken > 0 && status == PBW_OK) {
-        taken = 0;
-        for (i = pbwfill__vertices(w); i-- > first && status == PBW_OK;) {
-            int done = 0;
-            star->v = (pbw_index)i;
-            if (w->at.at[i] != PBW_NONE && w->touched.at[i]) {
-                w->touched.at[i] = 0;
-                status = pbwfill__tick(w, 1) ? PBW_CANCELLED : pbwfill__remove(w, star, &done);
-                taken += (size_t)done;
-            }
-        }
-    }
-    return status;
-}
-
 /* ------------------------------------------------------------------------------------------------------
    >>diagonals    Flat facets cut into the input's triangles.
    In: the constrained triangulation, in which facets of several coplanar triangles have faces of their own choice,
@@ -3714,6 +3692,127 @@ static pbw_status pbwfill__cut_facets(pbwfill__work *w)
     return status;
 }
 
+/* ------------------------------------------------------------------------------------------------------
+   >>spared       Added points inside taken off.
+   In: tetrahedra with regions, the input's triangles as facets.  Out: fewer vertices inside.
+   The tetrahedra at such a point, or these and the ones behind them, are filled again as a wedge is, without it.
+   ------------------------------------------------------------------------------------------------------ */
+/* Whether a tetrahedron has an edge of a wire. */
+static int pbwfill__has_wire(const pbwfill__work *w, const pbwfill__tet *t)
+{
+    unsigned i, j;
+    for (i = 0; i < 4 && w->input->segment_count > 0; i++) {
+        for (j = 0; j < i; j++) {
+            const pbw_index a = t->v[i] < t->v[j] ? t->v[i] : t->v[j], b = t->v[i] < t->v[j] ? t->v[j] : t->v[i];
+            const pbw_index piece = pbwfill__look_up(&w->segments, a, b, PBW_NONE);
+            if (piece != PBW_NONE && w->edges.at[w->pieces.at[piece].edge].count == 0) {
+                return 1;
+            }
+        }
+    }
+    return 0;
+}
+
+/* Whether a tetrahedron is kept, but not positive. */
+static int pbwfill__is_turned(const pbwfill__work *w, size_t t)
+{
+    const pbw_index *c = w->tets.at[t].v;
+    return c[0] != PBW_NONE && w->region.at[t] != PBW_NONE && pbwfill__orient(w, c[0], c[1], c[2], c[3]) <= 0;
+}
+
+/* Adds the tetrahedra behind the cavity's faces, but for walls; turned: only turned ones, and those behind them.
+   Returns 0 without memory. */
+static int pbwfill__add_ring(pbwfill__work *w, int turned)
+{
+    const size_t before = w->cavity.count;
+    size_t i;
+    unsigned k;
+    for (i = 0; i < (turned ? w->cavity.count : before) && w->cavity.count <= PBWFILL__MENDED; i++) {
+        for (k = 0; k < 4; k++) {
+            const pbwfill__tet *t = w->tets.at + w->cavity.at[i];
+            const pbw_index n = t->n[k];
+            if (n != PBW_NONE && t->wall[k] == PBW_NONE && w->seen.at[n] != w->epoch
+                && !pbwfill__has_wire(w, w->tets.at + n) && (!turned || pbwfill__is_turned(w, n))) {
+                w->seen.at[n] = w->epoch;
+                if (!PBW_PUSH(&w->memory, w->cavity, n)) {
+                    return 0;
+                }
+            }
+        }
+    }
+    return 1;
+}
+
+/* Removes v, which is inside, with the tetrahedra behind those at it, and all other vertices from number `first` on
+   that only these have.  *done: 0 if that fails. */
+static pbw_status pbwfill__remove_wide(pbwfill__work *w, pbwfill__star *star, size_t first, int *done)
+{
+    pbwfill__wedge wedge;
+    pbw_status status;
+    size_t i;
+    w->made.count = w->made_region.count = 0;
+    if (!pbwfill__find_wedges(w, star)) {
+        return PBW_ERROR_MEMORY;
+    }
+    w->epoch += (uint32_t)star->wedges;              /* one: no facets are at v */
+    for (i = 0; i < w->cavity.count; i++) {
+        if (pbwfill__has_wire(w, w->tets.at + w->cavity.at[i])) {
+            return PBW_OK;
+        }
+    }
+    if (!pbwfill__add_ring(w, 0) || !pbwfill__list_faces(w)) {
+        return PBW_ERROR_MEMORY;
+    }
+    memset(&wedge, 0, sizeof wedge);
+    wedge.number = 1;
+    wedge.region = w->region.at[w->cavity.at[0]];
+    wedge.wrapped = PBWFILL__STAR;
+    status = pbwfill__fill_wedge(w, &wedge);         /* `rest` has the vertices of the faces */
+    for (i = 0; i < 4 * w->cavity.count && status == PBW_OK; i++) {
+        const pbw_index u = w->tets.at[w->cavity.at[i / 4]].v[i % 4];
+        size_t j = 0;
+        while (j < w->rest.count && w->rest.at[j] != u) {
+            j++;
+        }
+        status = u >= first || j < w->rest.count ? PBW_OK : PBW_DEGENERATE;
+    }
+    if (status != PBW_OK) {
+        return status == PBW_DEGENERATE ? PBW_OK : status;
+    }
+    *done = 1;
+    for (i = 0; i < 4 * w->cavity.count; i++) {      /* those of new tetrahedra get one */
+        w->at.at[w->tets.at[w->cavity.at[i / 4]].v[i % 4]] = PBW_NONE;
+    }
+    return pbwfill__replace_wedges(w);
+}
+
+/* Takes the vertices from number `first` on off that can be spared inside, the last one first, with another pass over
+   those that had to stay, and at which tetrahedra have changed since, while some come off. */
+static pbw_status pbwfill__clear_inside(pbwfill__work *w, pbwfill__star *star, size_t first)
+{
+    pbw_status status = PBW_OK;
+    size_t i, taken = 1;
+    star->a = star->b = PBW_NONE;
+    star->wrapped = PBWFILL__WRAPPED;
+    memset(w->touched.at, 1, w->touched.count);
+    while (taken > 0 && status == PBW_OK) {
+        taken = 0;
+        for (i = pbwfill__vertices(w); i-- > first && status == PBW_OK;) {
+            int done = 0;
+            star->v = (pbw_index)i;
+            if (w->at.at[i] != PBW_NONE && w->touched.at[i]) {
+                w->touched.at[i] = 0;
+                status = pbwfill__tick(w, 1) ? PBW_CANCELLED : pbwfill__remove(w, star, &done);
+                if (status == PBW_OK && !done) {
+                    status = pbwfill__remove_wide(w, star, first, &done);
+                }
+                taken += (size_t)done;
+            }
+        }
+    }
+    return status;
+}
+
 /* Makes the facets the input's triangles. */
 static pbw_status pbwfill__make_exact(pbwfill__work *w)
 {
@@ -4185,8 +4284,7 @@ static pbw_status pbwfill__add_inside(pbwfill__work *w)
    Tetrahedra that are positive, linked, and bounded by the facets cover what these enclose once, so that signs are
    all that there is to check.
    ------------------------------------------------------------------------------------------------------ */
-enum { PBWFILL__CAVITIES = 10,             /* of a turned tetrahedron: those around its edges, then rings around it */
-       PBWFILL__MENDED = 100 };            /* most tetrahedra that are filled again */
+enum { PBWFILL__CAVITIES = 10 };           /* of a turned tetrahedron: those around its edges, then rings around it */
 
 /* What points go back to the grid by, and the tetrahedra that the work begins with. */
 typedef struct pbwfill__backup {
@@ -4306,52 +4404,6 @@ static size_t pbwfill__keep(pbwfill__work *w, pbwfill__backup *b, size_t rings)
         }
     }
     return more;
-}
-
-/* Whether a tetrahedron has an edge of a wire. */
-static int pbwfill__has_wire(const pbwfill__work *w, const pbwfill__tet *t)
-{
-    unsigned i, j;
-    for (i = 0; i < 4 && w->input->segment_count > 0; i++) {
-        for (j = 0; j < i; j++) {
-            const pbw_index a = t->v[i] < t->v[j] ? t->v[i] : t->v[j], b = t->v[i] < t->v[j] ? t->v[j] : t->v[i];
-            const pbw_index piece = pbwfill__look_up(&w->segments, a, b, PBW_NONE);
-            if (piece != PBW_NONE && w->edges.at[w->pieces.at[piece].edge].count == 0) {
-                return 1;
-            }
-        }
-    }
-    return 0;
-}
-
-/* Whether a tetrahedron is kept, but not positive. */
-static int pbwfill__is_turned(const pbwfill__work *w, size_t t)
-{
-    const pbw_index *c = w->tets.at[t].v;
-    return c[0] != PBW_NONE && w->region.at[t] != PBW_NONE && pbwfill__orient(w, c[0], c[1], c[2], c[3]) <= 0;
-}
-
-/* Adds the tetrahedra behind the cavity's faces, but for walls; turned: only turned ones, and those behind them.
-   Returns 0 without memory. */
-static int pbwfill__add_ring(pbwfill__work *w, int turned)
-{
-    const size_t before = w->cavity.count;
-    size_t i;
-    unsigned k;
-    for (i = 0; i < (turned ? w->cavity.count : before) && w->cavity.count <= PBWFILL__MENDED; i++) {
-        for (k = 0; k < 4; k++) {
-            const pbwfill__tet *t = w->tets.at + w->cavity.at[i];
-            const pbw_index n = t->n[k];
-            if (n != PBW_NONE && t->wall[k] == PBW_NONE && w->seen.at[n] != w->epoch
-                && !pbwfill__has_wire(w, w->tets.at + n) && (!turned || pbwfill__is_turned(w, n))) {
-                w->seen.at[n] = w->epoch;
-                if (!PBW_PUSH(&w->memory, w->cavity, n)) {
-                    return 0;
-                }
-            }
-        }
-    }
-    return 1;
 }
 
 /* Adds the tetrahedra around the edge a-b of t, up to walls.  Returns 0 without memory. */
