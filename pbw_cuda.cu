@@ -4852,7 +4852,7 @@ template <int DIM> DEVICE real box_corner(const diagram &d, uint32_t v, int k, b
     return real(high ? d.to[k] : d.from[k]) - (repeats ? 0.0 : d.points[(size_t)v * DIM + (size_t)k]);
 }
 
-/* Tells if the padded box does not hold a ball.  square: of its radius. */
+/* Clears *p.good if the padded box does not hold the ball around x.  square: of its radius. */
 template <int DIM> DEVICE void hold_ball(const padded_box &p, const real *x, real square)
 {
     const double radius = sqrt(square > 0.0 ? square.value : 0.0) * (1 + 1e-9) + p.slack;
@@ -7587,8 +7587,8 @@ void span(call &c, const cells_request &q, diagram &d, pbw_options options)
     d.simplex_count = (uint32_t)made.simplex_count;
 }
 
-/* Tells if the padded box does not hold the balls of simplices at cells that are not cut.  Where no walls are, these
-   must be closed. */
+/* Clears *good if the padded box does not hold the balls of simplices at cells that are not cut.  Where no walls are,
+   these must be closed. */
 template <int DIM> __global__ void certify_kernel(const diagram d)
 {
     const size_t simplex = thread_number();
@@ -8026,12 +8026,13 @@ pbw_status end_cells(card_cells &card)
 pbw_status make_host_cells(card_cells *cards, int count, const pbw_cuda_points &host, unsigned axes,
                            pbw_cuda_cells *cells)
 {
-    const size_t step = host.count / (size_t)count;
     size_t facets = 0;
     on_cards(cards, 1, [&](card_cells &card) { return start_cells(card, host, axes); });
     pbw_status status = cards[0].status;
     if (axes == 0 && (status == PBW_OK || status == PBW_DEGENERATE)) {
-        count = cards[0].mesh.simplex_count > 0 ? count : 1;
+        const size_t most = cards[0].mesh.simplex_count > 0 ? host.count : 1;    /* a share has a point or more */
+        count = (size_t)count < most ? count : (int)most;
+        const size_t step = host.count / (size_t)count;
         for (int i = 0; i < count && count > 1; i++) {
             cards[i].q.from = step * (size_t)i;
             cards[i].q.to = i + 1 < count ? step * (size_t)(i + 1) : host.count;

@@ -592,9 +592,9 @@ static void test_cards(size_t count, int devices)
     const size_t counts[3] = { count, 5, 0 };
     int dim, cards, i;
     for (dim = 2; dim <= 3; dim++) {
-        for (cards = 2; cards <= 3; cards++) {
+        for (cards = 2; cards <= 6; cards += cards == 2 ? 1 : 3) {
             if (test_begin("cells: %dD on %d cards of %d", dim, cards, devices)) {
-                const int list[3] = { 0, devices - 1, 0 };
+                const int list[6] = { 0, devices - 1, 0, devices - 1, 0, 0 };
                 const double box[6] = { 0.1, 0.1, 0.1, 0.9, 0.9, 0.9 };
                 pbw_options options;
                 memset(&options, 0, sizeof options);
