@@ -684,15 +684,15 @@ extern pbw_status pbw_cuda_loop_create(const pbw_options *options, void *stream,
                                        pbw_cuda_loop **loop);
 extern pbw_status pbw_cuda_loop_step(pbw_cuda_loop *loop, const pbw_cuda_points *points, pbw_cuda_mesh *mesh);
 /* Computes the cells of a mesh's points, with weights power cells, in a box or, with NULL, in the whole space.  box:
-   2*dim numbers in the host's memory, low corner, high corner.  The arrays are those of pbw_cells_of (pbw_cells.h),
-   byte for byte if coordinates are of sizes that it takes.  points: of the mesh.  cpu: for points in a box that span
-   no simplex; NULL = these give PBW_ERROR_BACKEND.  Other statuses are those of pbw_cells_of; on any but PBW_OK and
-   PBW_DEGENERATE cells are left empty.  Needs 1 kB of device memory a point in space, 1.4 with facets.  Waits.
+   2*dim numbers of the host, low and high corner.  The arrays are those of pbw_cells_of (pbw_cells.h), byte for byte
+   if that takes such coordinates.  points: of the mesh.  cpu: for points in a box that span no simplex; NULL = these
+   give PBW_ERROR_BACKEND.  Other statuses are as from pbw_cells_of; on all but PBW_OK and PBW_DEGENERATE cells are
+   left empty.  Needs 1 kB of the device a point in space, 1.4 with facets.  Waits for the stream.
    loop_cells: of the mesh of the last step.  The arrays belong to the loop until its next loop_cells: so centroids
    can be the points of the next step.  All others are for pbw_cuda_cells_free.
    of_host: of packed points of the host, by the current device or those of options.backend (pbw_cuda_backend_multi):
-   the first makes the mesh, each an equal share of the cells.  The arrays are the host's.  options: else as for
-   pbw_cuda_triangulate; memory_limit is for mesh and cells, each, besides the points.
+   the first makes the mesh, each an equal share of the cells.  The arrays are the host's.  Other options are
+   as for pbw_cuda_triangulate; memory_limit is for mesh and cells, each, besides the points.
    periodic: of points in a box that repeats along axis k if bit k of axes is set; options likewise.  As from
    pbw_cells_periodic: byte for byte if copies within 3.2 spacings do, as for even points in space, else to rounding
    and the order of facets.  PBW_ERROR_BACKEND for few or very uneven points.  of_host: axes 0 = none. */
@@ -9707,7 +9707,7 @@ PBWDEF pbw_status pbw_triangulatef(int dim, const float *points, const float *we
    >>history
    0.2.0   2026-11-28   New: pbw_for, pbw_order, pbw_conflict2, pbw_conflict3, pbw_hash_parts; the base of the
                         companions, pbw_memory to PBW_FACET_CORNER; PBW_CURVE_ORDER and mesh.original, PBW_BORROW;
-                        PBW_STAGE_WORK; loops and cells of pbw_cuda.cu; pbw_job.memory_limit.
+                        PBW_STAGE_WORK; loops and cells of pbw_cuda.cu, boxes that repeat; pbw_job.memory_limit.
                         Changed: pbw_hash takes options, and is 0 for what is no mesh; arguments are checked before
                         progress is called.
                         Queries are in pbw_query.h, live triangulations in pbw_live.h, pbw_check in pbw_check.h:
