@@ -154,7 +154,7 @@ typedef struct pbw_fill_report {
                                               OPEN, POINTS_LEFT: a triangle; TOO_FINE: the ends of an edge, two
                                               points, or two triangles that cross on the grid only; SEED: the seed */
     size_t rounded;                        /* points of the result that are the input's, moved to the grid, by 2^-30
-                                              of the box at most, as no tetrahedra were found around them else */
+                                              of the box at most: around their own places no tetrahedra were found */
     size_t doubles;                        /* triangles with the corners of an earlier one, left out */
     size_t collapsed;                      /* triangles with two corners at one place, left out */
     size_t segments, facets;               /* edges that are kept, and flat facets */
@@ -264,7 +264,7 @@ typedef struct pbwfill__work {
     double from, to, done;                 /* progress: of the present stage, and what was reported last */
     size_t ticks;
     int cancelled, stage;                  /* stage: its number */
-    int starved;                           /* memory was short where only a place or a truth is returned */
+    int starved;                           /* memory was short in a function that does not return a status */
     clock_t since;
     int level, tries;                      /* of the grid, none from LEVELS on; how many levels were in vain */
     int exponent;                          /* coordinates of the input times 2^-exponent are below 1 */

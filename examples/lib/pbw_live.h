@@ -2424,7 +2424,7 @@ static pbw_status pbwl__verify_windows(pbwl__verifying *verifying)
     }
     for (verifying->from = 0; verifying->from < count && status == PBW_OK; verifying->from = verifying->to) {
         const size_t rest = count - verifying->from, wanted = verifying->from == 0 ? least : most;
-        const size_t length = rest < wanted ? rest : wanted;         /* little if the first window fails */
+        const size_t length = rest < wanted ? rest : wanted;         /* short: most failures are there */
         const double done = 0.5 * (double)verifying->from / (double)count;
         verifying->to = verifying->from + length;
         status = pbw__for_range(context, length, 4096, done, pbwl__verify_depths, verifying);
@@ -3485,8 +3485,8 @@ PBW__INLINE pbw_index pbwl__nearer_start(pbwl__core *core, pbw_index a, pbw_inde
    The ghost has no owner: the task that owns the other vertices of a ghost simplex deletes it.
    ------------------------------------------------------------------------------------------------------ */
 #define PBWL__GROUP 8                                /* changes that are claimed and prefetched together */
-#define PBWL__LEAST_CHANGES 256                      /* a task must have so many to pay off; in later rounds, when */
-#define PBWL__LEAST_LEFT 64                          /* the threads run, so many */
+#define PBWL__LEAST_CHANGES 256                      /* in the first round a task must have so many to pay off, */
+#define PBWL__LEAST_LEFT 64                          /* in later ones, where the threads run already, so many */
 
 typedef struct pbwl__changing {
     void *arg;
@@ -3754,7 +3754,8 @@ static pbw_status pbwl__batch_round(pbwl__changing *batch)
     return status;
 }
 
-/* Returns the number of tasks for so many changes: 1 with weights, as hidden points are for one thread. */
+/* Returns the number of tasks for so many changes, of at least `least` each, 0 or 1 if one thread makes them: always
+   with weights, as only one thread changes hidden points. */
 static int pbwl__batch_parts(const pbwl__core *core, size_t count, size_t least)
 {
     const size_t most = count / PBW__SMALLER(least);

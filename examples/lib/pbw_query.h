@@ -1580,7 +1580,7 @@ PBW__INLINE void pbwq__near_few(pbwq__queries *queries, pbwq__scratch *scratch, 
 }
 
 PBW__INLINE void pbwq__write_near(pbwq__queries *queries, const double *q, size_t query, size_t at,
-                             const pbwq__candidate *candidate)
+                                  const pbwq__candidate *candidate)
 {
     const size_t to = query * queries->k + at;
     queries->vertices[to] = candidate != NULL ? candidate->vertex : PBW_NONE;

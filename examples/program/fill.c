@@ -74,7 +74,7 @@ static void report_on(const job *j, const pbw_filled *f, const pbw_fill_report *
                     COUNT(r->doubles), r->collapsed);
     }
     if (r->rounded > 0) {
-        report_line(j, "%zu point%s moved by 2^-30 of the box at most: no tetrahedra were found around the places",
+        report_line(j, "%zu point%s moved by 2^-30 of the box at most: no tetrahedra were found around their places",
                     COUNT(r->rounded));
     }
     if (r->refusal == PBW_FILL_POINTS_LEFT) {
