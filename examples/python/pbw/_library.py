@@ -123,8 +123,8 @@ def _declare(library):
     library.pbw_python_coordinates.argtypes = [arrays, doubles, size, ctypes.c_int, ctypes.POINTER(_Lists)]
     library.pbw_python_cells.argtypes = [arrays, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_uint, ctypes.c_uint,
                                          ctypes.POINTER(_Cells)]
-    library.pbw_python_gpu_cells.argtypes = [arrays, ctypes.c_void_p, ctypes.c_uint, ctypes.c_int, ctypes.POINTER(_Cells),
-                                             ctypes.c_char_p, size]
+    library.pbw_python_gpu_cells.argtypes = [arrays, ctypes.c_void_p, ctypes.c_uint, ctypes.c_int,
+                                             ctypes.POINTER(_Cells), ctypes.c_char_p, size]
     library.pbw_lists_free.restype = library.pbw_cells_free.restype = library.pbw_python_gpu_free.restype = None
     library.pbw_python_gpu_free.argtypes = [ctypes.POINTER(_Cells)]
     library.pbw_lists_free.argtypes = [ctypes.POINTER(_Lists)]
