@@ -143,6 +143,8 @@ whole="volume 64, the sum of cells; 64, the box; relative difference"
 for more in "" "--periodic xyz" "--periodic y"; do
     # shellcheck disable=SC2086
     check "cubes $more" says 0 "$whole" cells lattice.csv --box $box --merge $more -o c.csv -o c.obj -o c.vtu
+    check "cubes $more fill the box" awk '/relative difference/ { found = 1; far = $NF > 1e-15 }
+        END { exit !found || far }' said
     check "cubes $more: volumes" every c.csv 2 1
     check "cubes $more: closed" enclosed
     check "cubes $more: facets" every c.csv 6 6
