@@ -498,7 +498,8 @@ const command command_solid = {
     .usage =
     "usage: pbw solid [options] model [-o output]...\n"
     "\n"
-    "Fills a surface with good tetrahedra; holes are closed.  Sharp edges are kept; elsewhere the boundary is\n"
+    "Fills a surface with good tetrahedra; holes are closed, and shells that cross are made one, with sharp\n"
+    "edges where they cross.  Sharp edges are kept; elsewhere the boundary is\n"
     "within a fraction of the size, which is 1/40 of the diagonal if not given.  Regions are numbers of shells:\n"
     "data of cells in .vtu, groups in .msh and .inp, tags or references in .msh2, .mesh and .ele.  The report ends\n"
     "with warnings where the boundary is not that of the model.\n"
