@@ -3768,13 +3768,18 @@ static pbw_status pbwfill__remove_wide(pbwfill__work *w, pbwfill__star *star, si
     wedge.region = w->region.at[w->cavity.at[0]];
     wedge.wrapped = PBWFILL__STAR;
     status = pbwfill__fill_wedge(w, &wedge);         /* `rest` has the vertices of the faces */
+    pbwfill__clear(&w->table);
+    for (i = 0; i < w->rest.count && status == PBW_OK; i++) {
+        pbw_index *kept = pbwfill__put(w, &w->table, w->rest.at[i], PBW_NONE, PBW_NONE);
+        if (kept == NULL) {
+            return PBW_ERROR_MEMORY;
+        }
+        *kept = 0;
+    }
     for (i = 0; i < 4 * w->cavity.count && status == PBW_OK; i++) {
         const pbw_index u = w->tets.at[w->cavity.at[i / 4]].v[i % 4];
-        size_t j = 0;
-        while (j < w->rest.count && w->rest.at[j] != u) {
-            j++;
-        }
-        status = u >= first || j < w->rest.count ? PBW_OK : PBW_DEGENERATE;
+        status = u >= first || pbwfill__look_up(&w->table, u, PBW_NONE, PBW_NONE) != PBW_NONE ? PBW_OK
+               : PBW_DEGENERATE;
     }
     if (status != PBW_OK) {
         return status == PBW_DEGENERATE ? PBW_OK : status;
