@@ -547,6 +547,48 @@ static void test_thin(void)
     }
 }
 
+/* Returns the length of the longest edge. */
+static double longest_edge(const pbw_tets *t)
+{
+    double longest = 0;
+    size_t i;
+    int a, b;
+    for (i = 0; i < t->tet_count; i++) {
+        for (a = 0; a < 4; a++) {
+            for (b = 0; b < a; b++) {
+                longest = fmax(longest, pbwsf__distance(t->points + 3 * (size_t)t->corners[4 * i + (size_t)a],
+                                                        t->points + 3 * (size_t)t->corners[4 * i + (size_t)b]));
+            }
+        }
+    }
+    return longest;
+}
+
+/* A thin plate is found thin in each of its 676 squares of the size: no edge is longer than twice its local size. */
+static void test_plate(void)
+{
+    static const double low[3] = { 0, 0, 0 }, high[3] = { 26, 26, 0.3 };
+    static part m;
+    pbw_solid_options how;
+    pbw_solid_report r;
+    pbw_solid_input in;
+    pbw_tets mesh;
+    if (!test_begin("thin plate, large")) {
+        return;
+    }
+    m.points = m.triangles = 0;
+    (void)part_box(&m, low, high, 0);
+    in = input_of(&m);
+    memset(&how, 0, sizeof how);
+    how.size = 1;
+    how.improve.target = -1;
+    CHECK_EQUAL(pbw_solid(&in, &how, NULL, &mesh, NULL, &r), PBW_OK);
+    test_say("longest edge %.3f, %zu tetrahedra", longest_edge(&mesh), mesh.tet_count);
+    CHECK(longest_edge(&mesh) < 2 * 1.33 * 0.3);
+    pbw_tets_free(&mesh);
+    test_end();
+}
+
 /* An L's corners and edges are on the mesh: its volume is right to rounding. */
 static void test_features(void)
 {
@@ -1719,6 +1761,7 @@ int main(int argc, char **argv)
     test_gaps();
     test_acute();
     test_thin();
+    test_plate();
     test_stuffing();
     test_stuffing_fails();
     test_regions();
