@@ -298,7 +298,6 @@ typedef struct pbwfill__work {
     PBW_ARRAY(uint32_t) seen_vertex;
     pbwfill__indices region;               /* of each tetrahedron */
     pbwfill__indices made_region;          /* of those made; empty: all are of the region of the cavity's first */
-    size_t region_count;
 } pbwfill__work;
 
 static const double *pbwfill__at(const pbwfill__work *w, pbw_index v)
