@@ -617,6 +617,38 @@ static void run_threads(void)
     }
 }
 
+typedef struct asked { long before, after; } asked;      /* questions while it carves, and later */
+
+static int count_questions(void *user, pbw_stage stage, double done)
+{
+    asked *a = (asked *)user;
+    (void)stage;
+    *(done < 0.9 ? &a->before : &a->after) += 1;
+    return 0;
+}
+
+/* Passes over all tetrahedra, of which there are eight once it is carved, ask after each 1,024 of them. */
+static void ask_often(void)
+{
+    static shape s;
+    pbw_wrap_options how;
+    pbw_wrap_result w;
+    pbw_options options;
+    asked a = { 0, 0 };
+    memset(&s, 0, sizeof s);
+    memset(&how, 0, sizeof how);
+    memset(&options, 0, sizeof options);
+    add_sphere(&s, 1, 1);
+    how.alpha = 0.04;
+    options.threads = 1;
+    options.progress = count_questions;
+    options.progress_user = &a;
+    CHECK_EQUAL(pbw_wrap(&s.in, &how, &options, &w, NULL), PBW_OK);
+    test_say("%zu tetrahedra: %ld questions, then %ld", w.tet_count, a.before, a.after);
+    CHECK(w.tet_count > 10000 && (size_t)a.after > 8 * w.tet_count / 1024);
+    pbw_wrap_free(&w);
+}
+
 static void fail_everywhere(void)
 {
     static wraps_soup s;
@@ -788,6 +820,7 @@ int main(int argc, char **argv)
         { "solids: the time is over", fill_late }, { "solids: failures", fail_solids },
         { "alpha by place", wrap_by_place }, { "nearest elements", find_elements }, { "vertices inside", fill },
         { "refusals", refuse }, { "threads", run_threads }, { "memory and cancelling", fail_everywhere },
+        { "questions while it numbers", ask_often },
         { "faults are seen", see_faults }
     };
     size_t i;

@@ -225,6 +225,7 @@ enum {
     PBWWR__ROUND = 4096,                   /* gates of a round, at most */
     PBWWR__FEW = 64,                       /* gates for one thread alone */
     PBWWR__GRAIN = 16,                     /* verdicts that a thread takes at a time */
+    PBWWR__STEP = 1024,                    /* items of a pass between two questions whether it is cancelled */
     PBWWR__SAMPLE = 4096                   /* facets that are looked at for what is behind them, about */
 };
 #define PBWWR__NEAREST 1e-9                /* least offset, by the largest coordinate */
@@ -295,6 +296,12 @@ static int pbwwr__progress(void *user, pbw_stage stage, double done)
         w->cancelled = w->caller->progress(w->caller->progress_user, PBW_STAGE_WORK, w->done) != 0;
     }
     return w->cancelled;
+}
+
+/* Asks after each PBWWR__STEP items of a pass. */
+static int pbwwr__is_cancelled(pbwwr__work *w, size_t item)
+{
+    return item % PBWWR__STEP == PBWWR__STEP - 1 && pbwwr__progress(w, PBW_STAGE_WORK, 0);
 }
 
 static int pbwwr__larger(const pbwwr__gate *a, const pbwwr__gate *b)
@@ -1156,6 +1163,10 @@ static pbw_status pbwwr__make_manifold(pbwwr__work *w)
         goto done;
     }
     for (i = 0; i < w->cells.count; i++) {
+        if (pbwwr__is_cancelled(w, i)) {
+            status = PBW_CANCELLED;
+            goto done;
+        }
         for (k = 0; k < 4 && w->cells.at[i].corner[0] != PBW_NONE; k++) {
             first.at[w->cells.at[i].corner[k]] = (pbw_index)i;
         }
@@ -1166,7 +1177,7 @@ static pbw_status pbwwr__make_manifold(pbwwr__work *w)
     while (queue.count > 0) {
         const pbw_index vertex = queue.at[--queue.count];
         pbw_index back;
-        if (looked++ % 1024 == 1023 && pbwwr__progress(w, PBW_STAGE_WORK, 0)) {
+        if (pbwwr__is_cancelled(w, looked++)) {
             status = PBW_CANCELLED;
             goto done;
         }
@@ -1253,7 +1264,10 @@ static pbw_status pbwwr__fill(pbwwr__work *w)
     for (i = 0; i < w->cells.count && status == PBW_OK; i++) {
         at.cell = (pbw_index)i;
         at.born = w->cells.at[i].born;
-        if (w->cells.at[i].corner[0] != PBW_NONE && !w->cells.at[i].carved && !PBW_PUSH(&w->memory, queue, at)) {
+        if (pbwwr__is_cancelled(w, i)) {
+            status = PBW_CANCELLED;
+        } else if (w->cells.at[i].corner[0] != PBW_NONE && !w->cells.at[i].carved
+                   && !PBW_PUSH(&w->memory, queue, at)) {
             status = PBW_ERROR_MEMORY;
         }
     }
@@ -1261,7 +1275,7 @@ static pbw_status pbwwr__fill(pbwwr__work *w)
         pbwwr__cell *cell;
         at = queue.at[done];
         cell = w->cells.at + at.cell;
-        if (done % 1024 == 1023 && pbwwr__progress(w, PBW_STAGE_WORK, 0)) {
+        if (pbwwr__is_cancelled(w, done)) {
             status = PBW_CANCELLED;
         } else if (cell->corner[0] == PBW_NONE || cell->born != at.born || !pbwwr__is_coarse(w, cell)) {
             continue;
@@ -1338,6 +1352,10 @@ static pbw_status pbwwr__number_points(pbwwr__work *w, pbwsf__indices *number, p
         goto done;
     }
     for (i = 0; i < w->cells.count; i++) {           /* 2: of a facet, 1: inside */
+        if (pbwwr__is_cancelled(w, i)) {
+            status = PBW_CANCELLED;
+            goto done;
+        }
         for (k = 0; k < 4 && pbwwr__is_kept(w, i); k++) {
             for (j = 0; j < 4; j++) {
                 pbw_index *at = number->at + w->cells.at[i].corner[j];
@@ -1390,7 +1408,9 @@ static pbw_status pbwwr__number_tets(pbwwr__work *w, const pbwsf__indices *numbe
     size_t i, k;
     if (PBW_FIT(m, cells, count) && PBW_FIT(m, order, count) && PBW_FIT(m, keys, count)
         && PBW_FIT(m, place, w->cells.count) && PBW_FIT(m, r->corners, count) && PBW_FIT(m, r->neighbors, count)) {
-        for (i = 0; i < w->cells.count; i++) {
+        status = PBW_OK;
+        for (i = 0; i < w->cells.count && status == PBW_OK; i++) {
+            status = pbwwr__is_cancelled(w, i) ? PBW_CANCELLED : PBW_OK;
             if (pbwwr__is_kept(w, i)) {
                 uint64_t least = PBW_NONE;
                 for (k = 0; k < 4; k++) {
@@ -1401,13 +1421,15 @@ static pbw_status pbwwr__number_tets(pbwwr__work *w, const pbwsf__indices *numbe
                 cells.at[cells.count++] = (pbw_index)i;
             }
         }
-        status = pbw_sort(keys.at, count, &w->options, order.at);
+        status = status != PBW_OK ? status : pbw_sort(keys.at, count, &w->options, order.at);
     }
     for (i = 0; i < count && status == PBW_OK; i++) {
         place.at[cells.at[order.at[i]]] = (pbw_index)i;
+        status = pbwwr__is_cancelled(w, i) ? PBW_CANCELLED : PBW_OK;
     }
     for (i = 0; i < count && status == PBW_OK; i++) {
         const size_t at = cells.at[order.at[i]];
+        status = pbwwr__is_cancelled(w, i) ? PBW_CANCELLED : PBW_OK;
         for (k = 0; k < 4; k++) {
             r->corners.at[i][k] = number->at[w->cells.at[at].corner[k]];
             r->neighbors.at[i][k] = pbwwr__is_facet(w, at, k) ? PBW_NONE : place.at[w->cells.at[at].next[k]];
@@ -1450,6 +1472,9 @@ static pbw_status pbwwr__list_facets(pbwwr__work *w, pbwwr__result *r, size_t te
         return PBW_ERROR_MEMORY;
     }
     for (t = 0; t < tets; t++) {
+        if (pbwwr__is_cancelled(w, t)) {
+            return PBW_CANCELLED;
+        }
         for (k = 0; k < 4; k++) {
             if (r->neighbors.at[t][k] == PBW_NONE) {
                 for (j = 0; j < 3; j++) {
@@ -1465,7 +1490,7 @@ static pbw_status pbwwr__list_facets(pbwwr__work *w, pbwwr__result *r, size_t te
 }
 
 /* Sums up what is inside: its volume, its surface's area, numbers of tetrahedra and facets. */
-static void pbwwr__measure(const pbwwr__work *w, double *volume, double *area, size_t *tets, size_t *facets)
+static pbw_status pbwwr__measure(pbwwr__work *w, double *volume, double *area, size_t *tets, size_t *facets)
 {
     size_t i, k;
     *volume = *area = 0;
@@ -1473,6 +1498,9 @@ static void pbwwr__measure(const pbwwr__work *w, double *volume, double *area, s
     for (i = 0; i < w->cells.count; i++) {
         const double *c[4];
         double n[3], d[3];
+        if (pbwwr__is_cancelled(w, i)) {
+            return PBW_CANCELLED;
+        }
         if (!pbwwr__is_kept(w, i)) {
             continue;
         }
@@ -1489,12 +1517,14 @@ static void pbwwr__measure(const pbwwr__work *w, double *volume, double *area, s
             }
         }
     }
+    return PBW_OK;
 }
 
 /* Counts the surface's parts that edges join. */
 static pbw_status pbwwr__count_components(pbwwr__work *w, const pbwwr__result *r, size_t vertices)
 {
     pbwsf__indices tree = { NULL, 0, 0 };            /* the root of a component is its own parent */
+    pbw_status status = PBW_OK;
     size_t i, k;
     if (!PBW_FIT(&w->memory, tree, vertices)) {
         return PBW_ERROR_MEMORY;
@@ -1503,7 +1533,8 @@ static pbw_status pbwwr__count_components(pbwwr__work *w, const pbwwr__result *r
         tree.at[i] = (pbw_index)i;
     }
     w->report->components = vertices;
-    for (i = 0; i < r->facets.count; i++) {
+    for (i = 0; i < r->facets.count && status == PBW_OK; i++) {
+        status = pbwwr__is_cancelled(w, i) ? PBW_CANCELLED : PBW_OK;
         for (k = 0; k < 2; k++) {
             pbw_index a = r->facets.at[i][k], b = r->facets.at[i][k + 1];
             while (tree.at[a] != a) {
@@ -1517,7 +1548,7 @@ static pbw_status pbwwr__count_components(pbwwr__work *w, const pbwwr__result *r
         }
     }
     PBW_RELEASE(&w->memory, tree);
-    return PBW_OK;
+    return status;
 }
 
 static pbw_status pbwwr__output(pbwwr__work *w, pbw_wrap_result *wrap)
@@ -1530,8 +1561,8 @@ static pbw_status pbwwr__output(pbwwr__work *w, pbw_wrap_result *wrap)
     }
     memset(r, 0, sizeof *r);
     wrap->memory = r;
-    pbwwr__measure(w, &w->report->volume, &w->report->area, &wrap->tet_count, &wrap->facet_count);
-    status = pbwwr__number_points(w, &number, r, wrap);
+    status = pbwwr__measure(w, &w->report->volume, &w->report->area, &wrap->tet_count, &wrap->facet_count);
+    status = status != PBW_OK ? status : pbwwr__number_points(w, &number, r, wrap);
     status = status != PBW_OK ? status : pbwwr__number_tets(w, &number, r, wrap->tet_count);
     status = status != PBW_OK ? status : pbwwr__list_facets(w, r, wrap->tet_count, wrap->facet_count);
     status = status != PBW_OK ? status : pbwwr__count_components(w, r, wrap->vertex_count);
@@ -1558,9 +1589,11 @@ static pbw_status pbwwr__count_open(pbwwr__work *w, const pbw_wrap_input *in)
     pbw_status status = PBW_ERROR_MEMORY;
     size_t i, k, end;
     if (PBW_FIT(&w->memory, keys, count) && PBW_FIT(&w->memory, order, count)) {
-        for (i = 0; i < count; i++) {
+        status = PBW_OK;
+        for (i = 0; i < count && status == PBW_OK; i++) {
             const double *ends[2];
             uint64_t key[2] = { 0, 0 };
+            status = pbwwr__is_cancelled(w, i) ? PBW_CANCELLED : PBW_OK;
             ends[0] = in->points + 3 * (size_t)in->triangles[i];
             ends[1] = in->points + 3 * (size_t)in->triangles[i % 3 == 2 ? i - 2 : i + 1];
             for (k = 0; k < 6; k++) {
@@ -1569,7 +1602,7 @@ static pbw_status pbwwr__count_open(pbwwr__work *w, const pbw_wrap_input *in)
             keys.at[i] = key[0] == key[1] ? 0 : pbw_random(key[0] < key[1] ? key[0] : key[1],
                                                            key[0] < key[1] ? key[1] : key[0]);
         }
-        status = pbw_sort(keys.at, count, &w->options, order.at);
+        status = status != PBW_OK ? status : pbw_sort(keys.at, count, &w->options, order.at);
     }
     for (i = 0; i < count && status == PBW_OK; i = end) {
         for (end = i + 1; end < count && keys.at[order.at[end]] == keys.at[order.at[i]]; end++) {
@@ -1624,13 +1657,14 @@ static int pbwwr__is_sheet(const pbwwr__work *w, pbw_index cell, pbw_index verte
     return sheet;
 }
 
-/* Returns the share of the surface's area that is on both sides of what it is around, from some of its facets. */
-static double pbwwr__both_sides(const pbwwr__work *w)
+/* Returns the share of the surface's area that is on both sides of what it is around, from some of its facets;
+   nothing of value once the work is cancelled. */
+static double pbwwr__both_sides(pbwwr__work *w)
 {
     double area = 0, both = 0, n[3];
     size_t i, k, facets = 0, taken = 0, pass;
     for (pass = 0; pass < 2; pass++) {
-        for (i = 0; i < w->cells.count; i++) {
+        for (i = 0; i < w->cells.count && !pbwwr__is_cancelled(w, i); i++) {
             for (k = 0; k < 4 && pbwwr__is_kept(w, i); k++) {
                 const pbw_index *const corner = w->cells.at[i].corner;
                 if (!pbwwr__is_facet(w, i, k)) {
@@ -1736,6 +1770,9 @@ static pbw_status pbwwr__load(pbwwr__work *w, const pbw_wrap_input *in)
     }
     for (i = 0; i < total; i++) {
         pbwsf__vector *const c = w->places.at + 3 * i;
+        if (pbwwr__is_cancelled(w, i)) {
+            return PBW_CANCELLED;
+        }
         if (pbwwr__are_in_line(c[0], c[1], c[2])) {
             pbwwr__flatten(c);
         }
@@ -1885,22 +1922,23 @@ static pbw_status pbwwr__find_closing(pbwwr__work *w, double *closing)
     const pbwsf__box *box = ((const pbwsf__tree *)w->surface.memory)->boxes.at;
     const double most = pbwsf__distance(box->low, box->high) / 2;
     pbw_wrap_report other = *w->report, *const report = w->report;
-    double shell = w->alpha, closed = 0;
+    double shell = w->alpha, closed = 0, both;
     pbw_status status = PBW_OK;
     int i;
     w->report = &other;
     for (i = 0; status == PBW_OK && i < 3 && (closed > 0 || shell < most);) {
         status = pbwwr__set_lengths(w, closed > 0 ? sqrt(shell * closed) : fmin(1.4 * shell, most));
         status = status != PBW_OK ? status : pbwwr__wrap(w);
+        both = status == PBW_OK ? pbwwr__both_sides(w) : 0;
         i += closed > 0;
         if (w->late) {                               /* what was found counts */
             w->cancelled = w->late = 0;
             status = PBW_OK;
             break;
         }
-        if (status == PBW_OK && pbwwr__both_sides(w) > PBWWR__CLOSED) {
+        if (both > PBWWR__CLOSED) {
             shell = w->alpha;
-        } else if (status == PBW_OK) {
+        } else if (status == PBW_OK && !w->cancelled) {
             closed = w->alpha;
         }
     }
