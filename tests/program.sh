@@ -39,6 +39,10 @@ printf '0 0\n1 0\n0 1\n' > points.dxf
 check "an ending that is not read" says 1 "points.dxf: files with this ending are not read: export its surface as .stl or .obj; formats that are read: .obj" \
     mesh points.dxf
 printf '<?xml version="1.0"?>\n<VTKFile type="PolyData"/>\n' > poly.vtp
+printf '\223NUMPY\001\000' > array.npy
+check "arrays of NumPy" says 1 "array.npy: files with this ending are not read: save its points as" mesh array.npy
+printf '(1 "a mesh of Fluent")\n(2 3)\n' > fluent.msh
+check ".msh of others" says 1 "fluent.msh:1: the first line is not \"\$MeshFormat\": .msh files of Gmsh are read" check fluent.msh
 check ".vtp" says 1 "poly.vtp: files with this ending are not read: save it as .vtu, .vtk or .ply; formats" plane poly.vtp
 
 # Tables: which columns are the coordinates, and which are kept.
@@ -423,7 +427,9 @@ check "fill: a cavity" says 0 " in 1 region, 16 points" fill both.obj --conformi
 check "fill --nested" says 0 " in 2 regions, 16 points" fill both.obj --nested --conforming
 check "fill --outside" says 0 " in 3 regions, 24 points" fill both.obj --outside --conforming
 sed '$d' cube.obj > lidless.obj
-check "fill: open" says 1 "the surface is open: a triangle bounds no region; --outside keeps" fill lidless.obj
+check "fill: open" says 1 "the surface is open: a triangle bounds no region; --outside keeps what is on both \
+sides, pbw solid closes it by --close or --wrap" fill lidless.obj
+check "fill: flat" says 1 "a triangle has no area; pbw check lists all of them, pbw solid takes" fill flat.obj
 sed '1s/.*/v 0.5 0.5 3/' cube.obj > crossed.obj
 check "fill: faces that cross" says 1 "pbw check lists all places" fill crossed.obj
 check "fill --faces" sh -c '"$1" fill cube.obj --faces -o filled.msh2 --quiet &&
@@ -908,6 +914,9 @@ check "it is closed" says 0 "closed, 1 component" check wrapped.stl
 check "so are its tetrahedra" says 0 "links are right, Delaunay" check wrapped.msh2
 check "a shell, and the remedy" says 0 "around both sides of the model, which is open; --alpha " wrap lid.obj --alpha 0.2
 closing=$(sed -n 's/.* --alpha \(.*\) closes it/\1/p' said)
+printf '0 0 0\n1 0 0\n0 1 0\n0 0 1\n' > four.xyz
+check "shells around points" says 0 "thin shell around points or segments alone; " wrap four.xyz
+check "points are no surface" says 1 "four.xyz: it has no faces; pbw solid --wrap encloses its points" solid four.xyz
 check "the remedy works" sh -c "'$pbw' wrap lid.obj --alpha $closing > closed.txt 2>&1 && ! grep shell closed.txt"
 check "a wrap keeps groups" says 0 "" wrap bar.stl --alpha 0.3 -o wrapped.vtu -o groups.msh2
 check "their names and tags" sh -c '[ "$(sed -n "/^2 [1-9]/p" groups.msh2 | sed 3q | tr -d "\n")" = \

@@ -4675,7 +4675,8 @@ static void pbwio__read_msh(pbwio__reader *r)
     double version;
     memset(&m, 0, sizeof m);
     if (!pbwio__row_line(r) || !pbwio__next(r, &word) || !pbwio__is(word, "$MeshFormat")) {
-        pbwio__fail(r, PBWIO_ERROR_FORMAT, "the first line is not \"$MeshFormat\"");
+        pbwio__fail(r, PBWIO_ERROR_FORMAT,
+                    "the first line is not \"$MeshFormat\": .msh files of Gmsh are read, others are not");
     }
     version = pbwio__token_number(r);
     m.binary = pbwio__token_number(r) > 0;
@@ -8688,7 +8689,7 @@ static const struct { const char *endings, *instead; } pbwio__refused[] = {
     { "bdf cas cdb cgns exo fem foam h5 hdf5 med meshb mphtxt nas nastran nc ugrid unv",
       ": save it as .msh, .vtu, .mesh or .inp" },
     { "gml gpkg gpx kml kmz shp shx svg wkb wkt", ": save it as .geojson" },
-    { "e57 las laz pcd", ": save its points as .ply or .xyz" },
+    { "e57 las laz mat npy npz pcd", ": save its points as .ply or .xyz" },
     { "ods xls xlsx xml", ": save the table as .csv" },
     { "html jpg pdf png rar tif tiff vdb zip", "" }
 };

@@ -95,8 +95,9 @@ static int refuse(const job *j, pbw_status status, const pbw_fill_report *r)
         return explain_file(j, status, "");
     }
     fail(j, "%s: %s%s", j->input, pbw_fill_refusal(r->refusal), r->refusal == PBW_FILL_OPEN
-         ? "; --outside keeps what is on both sides" : r->refusal == PBW_FILL_CROSSING
-         ? "; pbw check lists all places" : "");
+         ? "; --outside keeps what is on both sides, pbw solid closes it by --close or --wrap"
+         : r->refusal == PBW_FILL_CROSSING ? "; pbw check lists all places"
+         : r->refusal == PBW_FILL_FLAT ? "; pbw check lists all of them, pbw solid takes such a surface" : "");
     for (i = 0; i < r->fault_count && i < PBW_FILL_PLACES; i++) {
         const pbw_index a = r->faults[i][0], b = r->faults[i][1];
         if (a != PBW_NONE && b != PBW_NONE) {

@@ -99,7 +99,8 @@ int complete_groups(job *j)
 int complete_faces(job *j)
 {
     if (j->cloud.dim != 3 || j->cloud.triangle_count == 0) {
-        return fail(j, "%s: it has no faces", j->input);
+        return fail(j, "%s: it has no faces%s", j->input,
+                    j->cloud.dim == 3 ? "; pbw solid --wrap encloses its points" : "");
     }
     if (j->cloud.tetrahedron_count > 0) {
         warn(j, "%s: its %zu tetrahedr%s and their regions are not kept; pbw improve keeps them", j->input,

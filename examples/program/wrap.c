@@ -159,8 +159,9 @@ static void report_on(const job *j, const pbw_wrap_report *r, size_t facets, siz
         snprintf(remedy, sizeof remedy, r->closing > 0 ? "--alpha %.3g closes it"
                  : is_given(j, "--seconds") || is_given(j, "--alpha") ? "a larger --alpha may close it"
                  : "no --alpha closes it", r->closing);
-        warn(j, "%.0f %% of the wrap is a thin shell around both sides of the model, which is open; %s",
-             100 * r->both_sides, remedy);
+        warn(j, "%.0f %% of the wrap is a thin shell around %s; %s", 100 * r->both_sides,
+             j->cloud.triangle_count + j->cloud.tetrahedron_count > 0 ? "both sides of the model, which is open"
+             : "points or segments alone", remedy);
     }
 }
 
