@@ -943,12 +943,12 @@ static pbw_status pbwwr__decide_some(void *arg, size_t from, size_t to)
     return PBW_OK;
 }
 
-/* Takes the largest gates.  Returns how many. */
+/* Takes the largest gates; most of the last ones are of cells that are no more.  Returns how many it took. */
 static size_t pbwwr__take_gates(pbwwr__work *w)
 {
-    size_t most = w->gates.count / 8 + 1, count = 0;
+    size_t most = w->gates.count / 8 + 1, count = 0, looked = 0;
     most = most < PBWWR__ROUND ? most : (size_t)PBWWR__ROUND;
-    while (count < most && w->gates.count > 0) {
+    while (count < most && w->gates.count > 0 && !pbwwr__is_cancelled(w, looked++)) {
         const pbwwr__gate gate = pbwwr__pop_gate(w);
         pbwwr__verdict *v = w->verdicts.at + count;
         if (!pbwwr__is_open(w, &gate)) {
@@ -1016,7 +1016,7 @@ static pbw_status pbwwr__carve(pbwwr__work *w)
     while (status == PBW_OK) {
         size_t count = pbwwr__take_gates(w), i;
         if (count == 0) {
-            return PBW_OK;
+            return w->cancelled ? PBW_CANCELLED : PBW_OK;
         }
         w->report->rounds++;
         if (w->verdicts.at[0].gate.radius < HUGE_VAL) {      /* facets are as many as 1 / radius^2 */
