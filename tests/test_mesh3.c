@@ -915,6 +915,20 @@ static void test_cut_ball(void)
     test_end();
 }
 
+/* A torus around a circle of 0.5, thicker than that. */
+static void add_spindle(part *m)
+{
+    size_t i;
+    for (i = 0; i < 24 * 16; i++) {
+        const double u = PARTS_PI * (double)(i / 16) / 12, v = PARTS_PI * ((double)(i % 16) + 0.5) / 8;
+        const double radius = 0.5 + 0.8 * cos(v);
+        const size_t next = (i / 16 + 1) % 24 * 16, up = (i + 1) % 16;
+        (void)part_point(m, radius * cos(u), radius * sin(u), 0.8 * sin(v));
+        part_triangle(m, i, next + i % 16, next + up);
+        part_triangle(m, i, next + up, i / 16 * 16 + up);
+    }
+}
+
 /* Shells that cross are one body, their union; a surface that crosses itself is filled where its winding number is
    above 0: in the core of a spindle torus it is 0.  The facets are the boundary. */
 static void test_unions(void)
@@ -940,13 +954,8 @@ static void test_unions(void)
         for (i = 0; i < 2 && kind < 2; i++) {
             (void)part_box(&m, low[i], high[i], kind == 1 && i == 1);
         }
-        for (i = 0; i < 24 * 16 && kind == 2; i++) {
-            const double u = PARTS_PI * (double)(i / 16) / 12, v = PARTS_PI * ((double)(i % 16) + 0.5) / 8;
-            const double radius = 0.5 + 0.8 * cos(v);
-            const size_t next = (i / 16 + 1) % 24 * 16, up = (i + 1) % 16;
-            (void)part_point(&m, radius * cos(u), radius * sin(u), 0.8 * sin(v));
-            part_triangle(&m, i, next + i % 16, next + up);
-            part_triangle(&m, i, next + up, i / 16 * 16 + up);
+        if (kind == 2) {
+            add_spindle(&m);
         }
         for (k = 0; k < 8 && kind == 2; k++) {       /* what the upper half of the outline sweeps, twice */
             const double v[2] = { PARTS_PI * ((double)k - 0.5) / 8, PARTS_PI * ((double)k + 0.5) / 8 };
@@ -967,7 +976,7 @@ static void test_unions(void)
             }
         }
         in = input_of(&m);
-        how.size = 0.25;
+        how.size = kind == 2 ? 0.3 : 0.25;
         CHECK_EQUAL(pbw_solid(&in, &how, NULL, &mesh, &b, &r), PBW_OK);
         CHECK(is_sound(&mesh) && r.crossings > 0 && r.united && r.bad_edges + r.bad_points == 0);
         CHECK_EQUAL(r.euler, kind == 2 ? 4 : 2);
@@ -975,6 +984,7 @@ static void test_unions(void)
         CHECK_EQUAL(b.facet_count, count_sheets(&mesh));
         CHECK(kind >= 2 ? r.improve.after.volume > 0.9 * volume : fabs(r.improve.after.volume - volume) < 1e-6);
         CHECK(kind >= 2 || (r.sharp_edges >= 30 && r.missing_edges == 0 && r.distance < 1e-6));
+        CHECK(r.input_volume > r.improve.after.volume - 1e-6 && r.input_volume < 1.03 * r.improve.after.volume);
         test_say("%zu tetrahedra, %.2f..%.2f, volume %.4f of %.4f, %zu crossings, Euler %ld, %zu + %zu faults",
                  mesh.tet_count, r.improve.after.least, r.improve.after.largest, r.improve.after.volume, volume,
                  r.crossings, r.euler, r.bad_edges, r.bad_points);
@@ -1592,6 +1602,73 @@ static void test_failures(void)
     test_end();
 }
 
+/* Two balls that touch in a point. */
+static void add_balls(part *m)
+{
+    double line[13][2];
+    size_t k;
+    for (k = 0; k < 13; k++) {
+        line[k][0] = k % 12 == 0 ? 0 : sin(PARTS_PI * (double)k / 12);
+        line[k][1] = -cos(PARTS_PI * (double)k / 12);
+    }
+    (void)part_turned(m, 13, (const double (*)[2])line, 24, 0);
+    for (k = 0; k < 13; k++) {
+        line[k][1] += 2;
+    }
+    (void)part_turned(m, 13, (const double (*)[2])line, 24, 0);
+}
+
+/* Where parts of the boundary touch, they are joined or separated: at the tips inside of a spindle torus, where two
+   balls touch.  Two boxes that touch in a corner stay as they are. */
+static void test_touching(void)
+{
+    static const double sizes[5] = { 0.27, 0.33, 0.6, 0.6, 1 };
+    static const double corner[3][3] = { { 0, 0, 0 }, { 1, 1, 1 }, { 2, 2, 2 } };
+    static part m;
+    pbw_solid_options how;
+    pbw_solid_report r;
+    pbw_solid_input in;
+    pbw_options options;
+    pbw_tets mesh;
+    meter memory;
+    int i;
+    if (!test_begin("parts that touch")) {
+        return;
+    }
+    memset(&how, 0, sizeof how);
+    how.improve.target = -1;
+    for (i = 0; i < 5; i++) {
+        m.points = m.triangles = 0;
+        if (i < 3) {
+            add_spindle(&m);
+        } else if (i == 3) {
+            (void)part_box(&m, corner[0], corner[1], 0);
+            (void)part_box(&m, corner[1], corner[2], 0);
+        } else {
+            add_balls(&m);
+        }
+        in = input_of(&m);
+        how.size = sizes[i];
+        CHECK_EQUAL(pbw_solid(&in, &how, NULL, &mesh, NULL, &r), PBW_OK);
+        CHECK(is_sound(&mesh) && r.bad_edges == 0 && r.bad_points == (i == 3));
+        CHECK(r.euler == (i == 3 ? 3 : 4) || (i == 4 && r.euler == 2));
+        CHECK(r.distance < 0.2 && r.improve.after.volume > 0.8 * r.input_volume);
+        test_say("Euler %ld, distance %.3f, volume %.4f of %.4f", r.euler, r.distance, r.improve.after.volume,
+                 r.input_volume);
+        if (i == 2) {
+            check_threads(&in, &how, &mesh);
+        }
+        pbw_tets_free(&mesh);
+    }
+    memset(&options, 0, sizeof options);
+    options.threads = 1;
+    options.resize = meter_resize;
+    options.resize_user = &memory;
+    how.rounds = 1;
+    check_allocations(&in, &how, &options, &memory);
+    test_end();
+}
+
 typedef struct signs { size_t calls, sizes; int planned; } signs;
 
 static int count_sign(void *user, pbw_stage stage, double done)
@@ -1768,6 +1845,7 @@ int main(int argc, char **argv)
     test_sheets();
     test_walls();
     test_unions();
+    test_touching();
     test_joints();
     test_planes();
     test_sharp();

@@ -29,6 +29,7 @@
      >>labels       the triangulation of the points, and the label of each tetrahedron
      >>manifold     where the boundary is no manifold
      >>rounds       points added until nothing is left to add
+     >>stars        points where the boundary is no manifold
      >>result       improvement; the boundary; the report
      >>stages       all of it in order
 
@@ -2709,6 +2710,7 @@ static pbw_status pbwm3__take_union(pbwm3__work *w, pbwm3__cutting *c)
     const pbw_solid_report before = *w->report;
     pbwsf__vectors planes = { NULL, 0, 0 };
     pbwsf__indices origin = { NULL, 0, 0 };
+    double volume = 0;
     size_t i, closing = 0;
     pbw_status status;
     if (!PBW_FIT(&w->memory, planes, c->pieces.count) || !PBW_FIT(&w->memory, origin, c->pieces.count)
@@ -2718,10 +2720,14 @@ static pbw_status pbwm3__take_union(pbwm3__work *w, pbwm3__cutting *c)
         return PBW_ERROR_MEMORY;
     }
     for (i = 0; i < c->pieces.count; i++) {
-        const pbw_index parent = c->parent.at[i];
+        const pbw_index parent = c->parent.at[i], *x = c->pieces.at[i];
+        double out[3], n[3];
         closing += parent >= w->first_closing;
         origin.at[i] = w->origin.at[parent];
         pbwsf__normal_of(&w->surface, parent, planes.at[i]);
+        pbwsf__normal(c->points.at[x[0]], c->points.at[x[1]], c->points.at[x[2]], n);
+        pbwsf__minus(c->points.at[x[0]], w->low, out);
+        volume += pbwsf__dot(out, n) / 6;            /* pieces are turned outward */
     }
     origin.count = planes.count = c->pieces.count;
     PBW_RELEASE(&w->memory, w->vertices);
@@ -2738,7 +2744,6 @@ static pbw_status pbwm3__take_union(pbwm3__work *w, pbwm3__cutting *c)
     memset(&c->cuts, 0, sizeof c->cuts);
     w->shells.count = 0;
     w->report->crowded_edges = w->report->doubles = 0;
-    w->report->input_volume = 0;
     w->report->united = 1;
     w->joined = 0;
     if (!pbwm3__find_shells(w)) {
@@ -2752,6 +2757,7 @@ static pbw_status pbwm3__take_union(pbwm3__work *w, pbwm3__cutting *c)
                                  &w->surface);
     if (status == PBW_OK) {
         pbwm3__nest_shells(w);
+        w->report->input_volume = volume;
     }
     return status;
 }
@@ -4842,6 +4848,28 @@ static int pbwm3__list_boundary(pbwm3__work *w, pbwsf__triples *facets, pbwm3__l
     return good;
 }
 
+/* Finds the bad edges and points in place of those in top, and flags the ends of bad edges, too; the report gets their
+   numbers. */
+static pbw_status pbwm3__find_faults(pbwm3__work *w, pbwm3__topology *top)
+{
+    pbwsf__triples facets = { NULL, 0, 0 };
+    pbwm3__labels labels = { NULL, 0, 0 };
+    size_t i;
+    int good;
+    PBW_RELEASE(&w->memory, top->edges);
+    PBW_RELEASE(&w->memory, top->flags);
+    good = pbwm3__list_boundary(w, &facets, &labels)
+        && pbwm3__examine_labels(w, &facets, &labels, w->x.count, top);
+    for (i = 0; good && i < 2 * top->edges.count; i++) {
+        top->flags.at[top->edges.at[i / 2][i % 2]] = 1;
+    }
+    PBW_RELEASE(&w->memory, facets);
+    PBW_RELEASE(&w->memory, labels);
+    w->report->bad_edges = top->bad_edges;
+    w->report->bad_points = top->bad_points;
+    return good ? PBW_OK : PBW_ERROR_MEMORY;
+}
+
 /* ------------------------------------------------------------------------------------------------------
    >>rounds       Points added until nothing is left to add.
    In: labelled tetrahedra.  Out: the same of more points, in rounds; the report's faults.
@@ -5374,19 +5402,10 @@ static pbw_status pbwm3__cover_surface(pbwm3__work *w, int halve, long *added)
 /* Counts the faults of the boundary before improvement. */
 static pbw_status pbwm3__count_faults(pbwm3__work *w)
 {
-    pbwsf__triples facets = { NULL, 0, 0 };
-    pbwm3__labels labels = { NULL, 0, 0 };
     pbwm3__topology top;
-    pbw_status status = PBW_ERROR_MEMORY;
+    pbw_status status;
     memset(&top, 0, sizeof top);
-    if (pbwm3__list_boundary(w, &facets, &labels)
-        && pbwm3__examine_labels(w, &facets, &labels, w->x.count, &top)) {
-        w->report->bad_edges = top.bad_edges;
-        w->report->bad_points = top.bad_points;
-        status = PBW_OK;
-    }
-    PBW_RELEASE(&w->memory, facets);
-    PBW_RELEASE(&w->memory, labels);
+    status = pbwm3__find_faults(w, &top);
     PBW_RELEASE(&w->memory, top.edges);
     PBW_RELEASE(&w->memory, top.flags);
     return status;
@@ -5509,6 +5528,204 @@ static pbw_status pbwm3__rounds(pbwm3__work *w)
     }
     pbwm3__drop_triangulation(w, &w->last);
     PBW_RELEASE(&w->memory, w->same);
+    return status;
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   >>stars        Points where the boundary is no manifold.
+   In: labelled tetrahedra, after the rounds.  Out: others' labels for a few of them, so that fewer points are bad.
+   At a bad point, the tetrahedra of a label are in several parts that no facets at the point connect: two cones that
+   touch, say; likewise at a bad edge.  The smallest such part gets the label beside it, which joins or separates the
+   others.  The labels with the fewest faults stay.  Sharp edges and corners keep theirs if the surface itself is no
+   manifold, as that of two boxes that touch.
+   ------------------------------------------------------------------------------------------------------ */
+typedef struct pbwm3__star {
+    pbw_index ends[2];                     /* of an edge, or a point twice */
+    pbwsf__indices tets;                   /* those there, ascending */
+    pbwsf__counts part;                    /* of each of them: a tree of those that facets there connect */
+    pbwsf__numbers volume;                 /* at a root: of its part */
+} pbwm3__star;
+
+/* Returns the place of a tetrahedron in the star, or their number. */
+static size_t pbwm3__in_star(const pbwm3__star *star, pbw_index t)
+{
+    size_t low = 0, high = star->tets.count;
+    while (low < high) {
+        const size_t middle = (low + high) / 2;
+        *(star->tets.at[middle] < t ? &low : &high) = star->tets.at[middle] < t ? middle + 1 : middle;
+    }
+    return low < star->tets.count && star->tets.at[low] == t ? low : star->tets.count;
+}
+
+/* Returns the tetrahedron behind facet i % 4 of the star's tetrahedron i / 4, PBW_NONE if the facet is not there. */
+static pbw_index pbwm3__behind(const pbwm3__work *w, const pbwm3__star *star, size_t i)
+{
+    const size_t at = 4 * (size_t)star->tets.at[i / 4] + i % 4;
+    const pbw_index across = w->now.mesh.simplices[at];
+    return across == star->ends[0] || across == star->ends[1] ? PBW_NONE : w->now.mesh.neighbors[at];
+}
+
+/* Finds the parts of the star, and their volumes.  Returns 0 without memory. */
+static int pbwm3__part_star(pbwm3__work *w, pbwm3__star *star)
+{
+    const size_t count = star->tets.count;
+    size_t i;
+    if (!pbwm3__start_trees(&w->memory, &star->part, count) || !PBW_ZEROS(&w->memory, star->volume, count)) {
+        return 0;
+    }
+    for (i = 0; i < 4 * count; i++) {
+        const pbw_index n = pbwm3__behind(w, star, i);
+        if (n != PBW_NONE && w->now.label.at[star->tets.at[i / 4]] == w->now.label.at[n]) {
+            pbwm3__join(star->part.at, i / 4, pbwm3__in_star(star, n));
+        }
+    }
+    for (i = 0; i < count; i++) {
+        const pbw_index *c = w->now.mesh.simplices + 4 * (size_t)star->tets.at[i];
+        star->volume.at[pbwm3__root_of(star->part.at, i)] += pbw_tet_measure(PBW_MEASURE_VOLUME, w->x.at[c[0]],
+            w->x.at[c[1]], w->x.at[c[2]], w->x.at[c[3]]);
+    }
+    return 1;
+}
+
+/* Gives the smallest part of the star, of those of a label in several parts, the label beside it.  Returns whether
+   there is one. */
+static int pbwm3__relabel_part(pbwm3__work *w, pbwm3__star *star)
+{
+    const size_t count = star->tets.count;
+    const pbw_index *tet = star->tets.at;
+    size_t *part = star->part.at, i, k, least = count;
+    int label = 0, found = 0;
+    for (i = 0; i < count; i++) {
+        for (k = 0; k < count && part[i] == i && !(part[k] == k && k != i
+                                                   && w->now.label.at[tet[k]] == w->now.label.at[tet[i]]); k++) {
+        }
+        if (part[i] == i && k < count && (least == count || star->volume.at[i] < star->volume.at[least])) {
+            least = i;
+        }
+    }
+    for (i = 0; i < 4 * count && least < count && !found; i++) {
+        const pbw_index n = pbwm3__behind(w, star, i);
+        if (n != PBW_NONE && pbwm3__root_of(part, i / 4) == least && w->now.label.at[n] != w->now.label.at[tet[i / 4]]) {
+            label = w->now.label.at[n];
+            found = 1;
+        }
+    }
+    for (i = 0; i < count && found; i++) {
+        if (pbwm3__root_of(part, i) == least) {
+            w->now.label.at[tet[i]] = label;
+        }
+    }
+    return found;
+}
+
+/* Lists the tetrahedra at each flagged point: first[v] to first[v + 1].  Returns 0 without memory. */
+static int pbwm3__list_stars(pbwm3__work *w, const unsigned char *flag, pbwsf__counts *first, pbwsf__indices *tets)
+{
+    const size_t count = 4 * w->now.mesh.simplex_count;
+    const pbw_index *corner = w->now.mesh.simplices;
+    size_t i, sum = 0;
+    if (!PBW_ZEROS(&w->memory, *first, w->x.count + 2)) {
+        return 0;
+    }
+    for (i = 0; i < count; i++) {
+        first->at[corner[i] + 2] += flag[corner[i]];
+        sum += flag[corner[i]];
+    }
+    for (i = 0; i < w->x.count; i++) {
+        first->at[i + 2] += first->at[i + 1];
+    }
+    if (!PBW_FIT(&w->memory, *tets, sum + 1)) {
+        return 0;
+    }
+    for (i = 0; i < count; i++) {
+        if (flag[corner[i]]) {
+            tets->at[first->at[corner[i] + 1]++] = (pbw_index)(i / 4);
+        }
+    }
+    return 1;
+}
+
+/* Relabels parts of a star while one label has several.  *changed: whether there was one.  Returns 0 without memory. */
+static int pbwm3__mend_star(pbwm3__work *w, pbwm3__star *star, int *changed)
+{
+    int tries;
+    for (tries = 0; tries < 4; tries++) {
+        if (!pbwm3__part_star(w, star)) {
+            return 0;
+        }
+        if (!pbwm3__relabel_part(w, star)) {
+            break;
+        }
+        *changed = 1;
+    }
+    return 1;
+}
+
+/* Relabels parts of the stars of all bad edges and points; not of sharp ones, if `touches`. */
+static pbw_status pbwm3__mend_stars(pbwm3__work *w, const pbwm3__topology *top, int touches, int *changed)
+{
+    pbwsf__counts first = { NULL, 0, 0 };
+    pbwsf__indices tets = { NULL, 0, 0 };
+    pbwm3__star star;
+    size_t i, k;
+    int good = pbwm3__list_stars(w, top->flags.at, &first, &tets);
+    memset(&star, 0, sizeof star);
+    for (i = 0; i < top->edges.count + w->x.count && good; i++) {
+        const int is_edge = i < top->edges.count;
+        const pbw_index v = (pbw_index)(i - top->edges.count);       /* if it is none */
+        star.ends[0] = is_edge ? top->edges.at[i][0] : v;
+        star.ends[1] = is_edge ? top->edges.at[i][1] : v;
+        if ((!is_edge && !top->flags.at[v]) || (touches && w->kind.at[star.ends[0]] == PBWM3__SHARP
+                                                && w->kind.at[star.ends[1]] == PBWM3__SHARP)) {
+            continue;
+        }
+        star.tets.count = 0;
+        for (k = first.at[star.ends[0]]; k < first.at[star.ends[0] + 1] && good; k++) {
+            const pbw_index *c = w->now.mesh.simplices + 4 * (size_t)tets.at[k];
+            good = (c[0] != star.ends[1] && c[1] != star.ends[1] && c[2] != star.ends[1] && c[3] != star.ends[1])
+                || PBW_PUSH(&w->memory, star.tets, tets.at[k]);
+        }
+        good = good && pbwm3__mend_star(w, &star, changed);
+    }
+    PBW_RELEASE(&w->memory, first);
+    PBW_RELEASE(&w->memory, tets);
+    PBW_RELEASE(&w->memory, star.tets);
+    PBW_RELEASE(&w->memory, star.part);
+    PBW_RELEASE(&w->memory, star.volume);
+    return good ? PBW_OK : PBW_ERROR_MEMORY;
+}
+
+static pbw_status pbwm3__make_manifold(pbwm3__work *w)
+{
+    const size_t count = w->now.mesh.simplex_count;
+    size_t faults = w->report->bad_edges + w->report->bad_points, bytes = count * sizeof(int);
+    pbwm3__labels best = { NULL, 0, 0 };
+    pbwm3__topology top;
+    pbw_status status = PBW_ERROR_MEMORY;
+    int pass, changed = 1, touches = 0;
+    memset(&top, 0, sizeof top);
+    if (PBW_FIT(&w->memory, best, count + 1)
+        && pbwm3__examine(w, w->surface.triangles, w->surface.triangle_count, w->surface.point_count, &top)) {
+        memcpy(best.at, w->now.label.at, bytes);
+        touches = top.bad_edges + top.bad_points > 0;
+        status = pbwm3__find_faults(w, &top);
+    }
+    for (pass = 0; pass < 24 && changed && faults > 0 && status == PBW_OK; pass++) {
+        changed = 0;
+        status = pbwm3__ends(w) ? PBW_CANCELLED : pbwm3__mend_stars(w, &top, touches, &changed);
+        status = status == PBW_OK ? pbwm3__find_faults(w, &top) : status;
+        if (status == PBW_OK && w->report->bad_edges + w->report->bad_points < faults) {
+            faults = w->report->bad_edges + w->report->bad_points;
+            memcpy(best.at, w->now.label.at, bytes);
+        }
+    }
+    if (status == PBW_OK) {
+        memcpy(w->now.label.at, best.at, bytes);
+        status = pbwm3__find_faults(w, &top);
+    }
+    PBW_RELEASE(&w->memory, best);
+    PBW_RELEASE(&w->memory, top.edges);
+    PBW_RELEASE(&w->memory, top.flags);
     return status;
 }
 
@@ -6329,7 +6546,9 @@ static pbw_status pbwm3__complete(pbwm3__work *w, double done, pbwm3__result *r)
     w->end = 1;                                      /* 0.6 of this attempt are done */
     w->begin = (done - 0.6) / 0.4;
     w->to = 0.6;
-    status = pbwm3__begin_stage(w, "improve", 0.9) ? PBW_CANCELLED : pbwm3__improve(w, &r->mesh);
+    status = pbwm3__begin_stage(w, "improve", 0.9) ? PBW_CANCELLED
+           : pbwm3__faults(w->report) > 0 ? pbwm3__make_manifold(w) : PBW_OK;
+    status = status != PBW_OK ? status : pbwm3__improve(w, &r->mesh);
     w->report->seconds[2] = pbwm3__lap(&since);
     if (status == PBW_OK) {
         status = pbwm3__begin_stage(w, "measure", 0.95) ? PBW_CANCELLED
