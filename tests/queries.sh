@@ -96,7 +96,7 @@ enclosed() {
         }
         function end() {
             for (e in edge) { open += edge[e] != 0; delete edge[e] }
-            if (id != "" && (sum - volume[id])^2 > 1e-20 * (1 + volume[id]^2)) { print "cell " id ": " sum ", not " volume[id]; wrong++ }
+            if (id != "" && (sum - volume[id])^2 > (1e-10 + 2e-14 * volume[id])^2) { print "cell " id ": " sum ", not " volume[id]; wrong++ }
             sum = 0
         }
         END { end(); print objects, cells, open+0; exit wrong || open || !objects || objects != cells }' c.csv c.obj
