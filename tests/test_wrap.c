@@ -88,22 +88,21 @@ typedef struct shape {
     pbw_wrap_input in;
 } shape;
 
-/* Adds a sphere around the origin, from the pole down to a part of its height: 1 = closed. */
-static void add_sphere(shape *s, double radius, double part)
+/* Adds what a line of SIDE + 1 places (distance from the axis, height) sweeps around the axis. */
+static void add_swept(shape *s, const double (*place)[2])
 {
-    const size_t first = s->points;
+    const size_t first = s->points, around = 2 * SIDE;
     size_t i, k;
     for (i = 0; i <= SIDE; i++) {
-        for (k = 0; k < 2 * SIDE; k++) {
-            const double u = 3.14159265358979 * part * (double)i / SIDE, v = 3.14159265358979 * (double)k / SIDE;
+        for (k = 0; k < around; k++) {
+            const double v = 3.14159265358979 * (double)k / SIDE;
             double *x = s->x[s->points++];
-            const pbw_index a = (pbw_index)(first + i * 2 * SIDE + k);
-            const pbw_index b = (pbw_index)(first + i * 2 * SIDE + (k + 1) % (2 * SIDE)), down = 2 * SIDE;
-            const double away = i == 0 || (i == SIDE && part >= 1) ? 0 : radius * sin(u);
-            x[0] = away * cos(v);
-            x[1] = away * sin(v);
-            x[2] = radius * cos(u);
+            x[0] = place[i][0] * cos(v);
+            x[1] = place[i][0] * sin(v);
+            x[2] = place[i][1];
             if (i < SIDE) {
+                const pbw_index a = (pbw_index)(first + i * around + k), down = 2 * SIDE;
+                const pbw_index b = (pbw_index)(first + i * around + (k + 1) % around);
                 pbw_index *t = s->t[s->triangles];
                 t[0] = a, t[1] = a + down, t[2] = b;
                 t[3] = b, t[4] = a + down, t[5] = b + down;
@@ -115,6 +114,34 @@ static void add_sphere(shape *s, double radius, double part)
     s->in.point_count = s->points;
     s->in.triangles = s->t[0];
     s->in.triangle_count = s->triangles;
+}
+
+/* Adds a sphere around the origin, from the pole down to a part of its height: 1 = closed. */
+static void add_sphere(shape *s, double radius, double part)
+{
+    double place[SIDE + 1][2];
+    size_t i;
+    for (i = 0; i <= SIDE; i++) {
+        const double u = 3.14159265358979 * part * (double)i / SIDE;
+        place[i][0] = i == 0 || (i == SIDE && part >= 1) ? 0 : radius * sin(u);
+        place[i][1] = radius * cos(u);
+    }
+    add_swept(s, (const double (*)[2])place);
+}
+
+/* Adds what a line of corners sweeps around the axis. */
+static void add_turned(shape *s, const double (*line)[2], size_t corners)
+{
+    double place[SIDE + 1][2];
+    size_t i, k;
+    for (i = 0; i <= SIDE; i++) {                    /* evenly: each side of the line has the same number of places */
+        const double at = (double)i * (double)(corners - 1) / SIDE;
+        const size_t side = at < (double)(corners - 1) ? (size_t)at : corners - 2;
+        for (k = 0; k < 2; k++) {
+            place[i][k] = line[side][k] + (at - (double)side) * (line[side + 1][k] - line[side][k]);
+        }
+    }
+    add_swept(s, (const double (*)[2])place);
 }
 
 static pbw_wrap_report report_of(const shape *s, const pbw_wrap_options *how)
@@ -172,36 +199,6 @@ static void wrap_shell(void)
     how.alpha = 0.1;
     r = report_of(&s, &how);
     CHECK(!r.shell && r.open_edges == 0 && !(r.closing > 0));
-}
-
-/* Adds what a line of corners (distance from the axis, height) sweeps around the axis. */
-static void add_turned(shape *s, const double (*line)[2], size_t corners)
-{
-    const pbw_index first = (pbw_index)s->points, around = 2 * SIDE, steps = SIDE;
-    pbw_index i, k;
-    for (i = 0; i <= steps; i++) {                   /* as many on each side of the line */
-        const double at = (double)i * (double)(corners - 1) / steps;
-        const size_t side = at < (double)(corners - 1) ? (size_t)at : corners - 2;
-        const double part = at - (double)side;
-        for (k = 0; k < around; k++) {
-            const double away = line[side][0] + part * (line[side + 1][0] - line[side][0]);
-            double *x = s->x[s->points++];
-            x[0] = away * cos(6.28318530717959 * k / around);
-            x[1] = away * sin(6.28318530717959 * k / around);
-            x[2] = line[side][1] + part * (line[side + 1][1] - line[side][1]);
-            if (i < steps) {
-                const pbw_index a = first + i * around + k, b = first + i * around + (k + 1) % around;
-                pbw_index *t = s->t[s->triangles];
-                t[0] = a, t[1] = a + around, t[2] = b;
-                t[3] = b, t[4] = a + around, t[5] = b + around;
-                s->triangles += 2;
-            }
-        }
-    }
-    s->in.points = s->x[0];
-    s->in.point_count = s->points;
-    s->in.triangles = s->t[0];
-    s->in.triangle_count = s->triangles;
 }
 
 /* What is a shell, from fine wraps to those much coarser than the model. */

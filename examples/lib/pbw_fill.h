@@ -2212,7 +2212,7 @@ static pbw_status pbwfill__recover_facets(pbwfill__work *w)
         const pbwfill__piece *p = w->pieces.at + i;
         pbw_index *slot;
         if (found == w->report->facets && w->edges.at[p->edge].count > 0) {
-            continue;                                /* only wires will be asked for */
+            continue;                                /* all facets are found: of segments, only wires are looked up */
         }
         slot = pbwfill__put(w, &w->segments, p->a < p->b ? p->a : p->b, p->a < p->b ? p->b : p->a, PBW_NONE);
         if (slot == NULL) {
@@ -3946,7 +3946,8 @@ static double pbwfill__bound_of(const pbwfill__work *w, pbw_index t)
 }
 
 /* Returns how far from other points a point for tetrahedron t must be; 0 if t needs none.  Sets the center of its
-   sphere, its middle, and *large: 0, it is not too large; 1, it is; 2, it is larger than the caller asked for. */
+   sphere, and its middle.  *large: 0 if it is small enough, 1 if too large for a size that follows the surface, 2 if
+   too large for the caller's size or volume. */
 static double pbwfill__is_wanting(const pbwfill__inside *in, pbw_index t, double center[3], double middle[3],
                                   int *large)
 {

@@ -5920,7 +5920,7 @@ typedef struct pbwm3__distances {
     const double *points;
     const pbw_index *triangles;
     const pbw_surface *surface;
-    int paired;                            /* 1: each edge has as many triangles one way round as the other */
+    int paired;                            /* 1: each edge has two triangles, which run along it in opposite ways */
     unsigned char *seen;                   /* per point: 1, a triangle has it measured */
     double *distance;                      /* per range: the largest, of middles, middles of edges, and corners */
 } pbwm3__distances;

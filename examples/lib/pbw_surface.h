@@ -280,7 +280,7 @@ typedef struct pbwsf__building {
     size_t first;                          /* node of a level */
 } pbwsf__building;
 
-/* Fills boxes of nodes of one level, whose children's are filled. */
+/* Makes the boxes of a range of nodes, all of one level; those of the next level below are made. */
 static pbw_status pbwsf__box_range(void *arg, size_t from, size_t to)
 {
     const pbwsf__building *b = (const pbwsf__building *)arg;
