@@ -2534,6 +2534,38 @@ typedef struct pbwfill__wedge {            /* to be filled: the space within fac
     double from[3], inward[3];             /* where a new vertex may be: near `from`, in this direction */
 } pbwfill__wedge;
 
+/* Adds the tetrahedra at v to the cavity, which those in it are linked to.  Returns 0 without memory. */
+static int pbwfill__add_star(pbwfill__work *w, pbw_index v)
+{
+    size_t i;
+    unsigned k;
+    if (w->seen.at[w->at.at[v]] != w->epoch && !PBW_PUSH(&w->memory, w->cavity, w->at.at[v])) {
+        return 0;
+    }
+    w->seen.at[w->at.at[v]] = w->epoch;
+    for (i = 0; i < w->cavity.count; i++) {
+        for (k = 0; k < 4; k++) {
+            const pbwfill__tet *t = w->tets.at + w->cavity.at[i];
+            const pbw_index n = t->n[k];
+            if (pbwfill__corner_of(t, v) < 4 && t->v[k] != v && w->seen.at[n] != w->epoch) {
+                w->seen.at[n] = w->epoch;
+                if (!PBW_PUSH(&w->memory, w->cavity, n)) {
+                    return 0;
+                }
+            }
+        }
+    }
+    return 1;
+}
+
+/* Makes the tetrahedra at v the cavity. */
+static int pbwfill__open_star(pbwfill__work *w, pbw_index v)
+{
+    w->cavity.count = 0;
+    w->epoch += 2;
+    return pbwfill__add_star(w, v);
+}
+
 /* Lists the tetrahedra at v and numbers their wedges from 1 on: w->epoch + wedge in `seen`.  Returns 0 without
    memory. */
 static int pbwfill__find_wedges(pbwfill__work *w, pbwfill__star *star)
@@ -2541,22 +2573,8 @@ static int pbwfill__find_wedges(pbwfill__work *w, pbwfill__star *star)
     size_t i, next;
     unsigned k;
     star->wedges = 0;
-    w->cavity.count = 0;
-    w->epoch += 2;
-    if (!PBW_PUSH(&w->memory, w->cavity, w->at.at[star->v])) {
+    if (!pbwfill__open_star(w, star->v)) {
         return 0;
-    }
-    w->seen.at[w->at.at[star->v]] = w->epoch;
-    for (i = 0; i < w->cavity.count; i++) {
-        const pbwfill__tet *t = w->tets.at + w->cavity.at[i];
-        for (k = 0; k < 4; k++) {
-            if (t->v[k] != star->v && w->seen.at[t->n[k]] != w->epoch) {
-                w->seen.at[t->n[k]] = w->epoch;
-                if (!PBW_PUSH(&w->memory, w->cavity, t->n[k])) {
-                    return 0;
-                }
-            }
-        }
     }
     for (next = 0; next < w->cavity.count; next++) {
         if (w->seen.at[w->cavity.at[next]] != w->epoch) {
@@ -3694,7 +3712,10 @@ static pbw_status pbwfill__cut_facets(pbwfill__work *w)
 /* ------------------------------------------------------------------------------------------------------
    >>spared       Added points inside taken off.
    In: tetrahedra with regions, the input's triangles as facets.  Out: fewer vertices inside.
-   The tetrahedra at such a point, or these and the ones behind them, are filled again as a wedge is, without it.
+   The tetrahedra at such a point are filled again as a wedge is, without it.  Where that fails, one of its neighbours
+   takes them: the tetrahedra behind faces that it does not see are taken, too, until it sees all faces, or there is a
+   facet that it does not see.  Else a new point, from which they are seen, takes these and those at a neighbour that
+   was added as well; so there is one point less.
    ------------------------------------------------------------------------------------------------------ */
 /* Whether a tetrahedron has an edge of a wire. */
 static int pbwfill__has_wire(const pbwfill__work *w, const pbwfill__tet *t)
@@ -3742,52 +3763,141 @@ static int pbwfill__add_ring(pbwfill__work *w, int turned)
     return 1;
 }
 
-/* Removes v, which is inside, with the tetrahedra behind those at it, and all other vertices from number `first` on
-   that only these have.  *done: 0 if that fails. */
-static pbw_status pbwfill__remove_wide(pbwfill__work *w, pbwfill__star *star, size_t first, int *done)
+/* Adds the tetrahedra behind faces that the place x does not see to the cavity; u: the vertex at x, or PBW_NONE.
+   Returns 0 if facets are in the way, or without memory. */
+static int pbwfill__grow(pbwfill__work *w, pbw_index u, const double x[3])
 {
-    pbwfill__wedge wedge;
-    pbw_status status;
     size_t i;
-    w->made.count = w->made_region.count = 0;
-    if (!pbwfill__find_wedges(w, star)) {
-        return PBW_ERROR_MEMORY;
-    }
-    w->epoch += (uint32_t)star->wedges;              /* one: no facets are at v */
+    unsigned k, j;
+    w->starved = 0;
     for (i = 0; i < w->cavity.count; i++) {
-        if (pbwfill__has_wire(w, w->tets.at + w->cavity.at[i])) {
-            return PBW_OK;
+        for (k = 0; k < 4; k++) {
+            const pbwfill__tet *t = w->tets.at + w->cavity.at[i];
+            const pbw_index n = t->n[k];
+            const int wall = n == PBW_NONE || t->wall[k] != PBW_NONE;
+            const double *c[4];
+            for (j = 0; j < 4; j++) {
+                c[j] = j == k ? x : pbwfill__at(w, t->v[j]);
+            }
+            if (pbwfill__corner_of(t, u) < 4 || (!wall && w->seen.at[n] == w->epoch)
+                || pbw_orient3(c[0], c[1], c[2], c[3]) > 0) {
+                continue;
+            }
+            if (wall || w->cavity.count >= PBWFILL__STAR) {
+                return 0;
+            }
+            w->seen.at[n] = w->epoch;
+            if (!PBW_PUSH(&w->memory, w->cavity, n)) {
+                w->starved = 1;
+                return 0;
+            }
         }
     }
-    if (!pbwfill__add_ring(w, 0) || !pbwfill__list_faces(w)) {
-        return PBW_ERROR_MEMORY;
-    }
-    memset(&wedge, 0, sizeof wedge);
-    wedge.number = 1;
-    wedge.region = w->region.at[w->cavity.at[0]];
-    wedge.wrapped = PBWFILL__STAR;
-    status = pbwfill__fill_wedge(w, &wedge);         /* `rest` has the vertices of the faces */
+    return 1;
+}
+
+/* Puts those made in the place of the cavity.  *done: 0 if this has a wire, or a vertex before number `first` that is
+   not in `rest`. */
+static pbw_status pbwfill__replace_inside(pbwfill__work *w, size_t first, int *done)
+{
+    size_t i;
     pbwfill__clear(&w->table);
-    for (i = 0; i < w->rest.count && status == PBW_OK; i++) {
+    for (i = 0; i < w->rest.count; i++) {
         pbw_index *kept = pbwfill__put(w, &w->table, w->rest.at[i], PBW_NONE, PBW_NONE);
         if (kept == NULL) {
             return PBW_ERROR_MEMORY;
         }
         *kept = 0;
     }
-    for (i = 0; i < 4 * w->cavity.count && status == PBW_OK; i++) {
-        const pbw_index u = w->tets.at[w->cavity.at[i / 4]].v[i % 4];
-        status = u >= first || pbwfill__look_up(&w->table, u, PBW_NONE, PBW_NONE) != PBW_NONE ? PBW_OK
-               : PBW_DEGENERATE;
-    }
-    if (status != PBW_OK) {
-        return status == PBW_DEGENERATE ? PBW_OK : status;
+    for (i = 0; i < 4 * w->cavity.count; i++) {
+        const pbwfill__tet *t = w->tets.at + w->cavity.at[i / 4];
+        if ((t->v[i % 4] < first && pbwfill__look_up(&w->table, t->v[i % 4], PBW_NONE, PBW_NONE) == PBW_NONE)
+            || (i % 4 == 0 && pbwfill__has_wire(w, t))) {
+            return PBW_OK;
+        }
     }
     *done = 1;
     for (i = 0; i < 4 * w->cavity.count; i++) {      /* those of new tetrahedra get one */
         w->at.at[w->tets.at[w->cavity.at[i / 4]].v[i % 4]] = PBW_NONE;
     }
     return pbwfill__replace_wedges(w);
+}
+
+/* Fills the cavity, and what has to be added to it, from the vertex u, or a new one if that is PBW_NONE, at x.
+   *done: 0 if that fails. */
+static pbw_status pbwfill__join_grown(pbwfill__work *w, pbw_index u, const double x[3], size_t first, int *done)
+{
+    pbw_status status;
+    w->made.count = w->made_region.count = 0;
+    if (!pbwfill__grow(w, u, x)) {
+        return w->starved ? PBW_ERROR_MEMORY : PBW_OK;
+    }
+    if (u == PBW_NONE) {
+        u = (pbw_index)pbwfill__vertices(w);
+        if (!pbwfill__new_vertex(w, x)) {
+            return PBW_ERROR_MEMORY;
+        }
+        w->sign.at[u] = 1;
+    }
+    if (!pbwfill__list_faces(w) || pbwfill__list_wedge(w, 1) == PBW_NONE || !PBW_PUSH(&w->memory, w->rest, u)) {
+        return PBW_ERROR_MEMORY;
+    }
+    status = pbwfill__join(w, 1, u);
+    return status == PBW_OK ? pbwfill__replace_inside(w, first, done) : status == PBW_DEGENERATE ? PBW_OK : status;
+}
+
+/* Removes v, which is inside, and all other vertices from number `first` on that only tetrahedra of the cavity have:
+   into one of its neighbours, into a new vertex with a neighbour that may go, too, or with the tetrahedra behind
+   those at it.  *done: 0 if that fails. */
+static pbw_status pbwfill__remove_wide(pbwfill__work *w, pbwfill__star *star, size_t first, int *done)
+{
+    const pbw_index v = star->v;
+    pbwfill__wedge wedge;
+    pbw_status status = PBW_OK;
+    size_t i;
+    int k, pair;
+    star->polygon.count = 0;                         /* the neighbours */
+    if (!pbwfill__open_star(w, v) || !pbwfill__list_faces(w)
+        || !PBW_RESERVE(&w->memory, star->polygon, w->rest.count)) {
+        return PBW_ERROR_MEMORY;
+    }
+    for (i = 0; i < w->rest.count; i++) {
+        star->polygon.at[star->polygon.count] = w->rest.at[i];
+        star->polygon.count += w->rest.at[i] != v;
+    }
+    for (pair = 0; pair < 2; pair++) {
+        for (i = 0; i < star->polygon.count && !*done && status == PBW_OK; i++) {
+            const pbw_index u = star->polygon.at[i];
+            double x[3];
+            if (pair && u < first) {
+                continue;
+            }
+            memcpy(x, pbwfill__at(w, u), sizeof x);
+            if (!pbwfill__open_star(w, v) || (pair && !(pbwfill__add_star(w, u) && pbwfill__list_faces(w)))) {
+                return PBW_ERROR_MEMORY;
+            }
+            if (pair) {
+                for (k = 0; k < 3; k++) {
+                    x[k] = (x[k] + pbwfill__at(w, v)[k]) / 2;
+                }
+                pbwfill__climb(w, 1, x, 2 * pbwfill__distance(x, pbwfill__at(w, v)), 24);
+            }
+            status = pbwfill__join_grown(w, pair ? PBW_NONE : u, x, first, done);
+        }
+    }
+    if (*done || status != PBW_OK) {
+        return status;
+    }
+    if (!pbwfill__open_star(w, v) || !pbwfill__add_ring(w, 0) || !pbwfill__list_faces(w)) {
+        return PBW_ERROR_MEMORY;
+    }
+    w->made.count = w->made_region.count = 0;
+    memset(&wedge, 0, sizeof wedge);
+    wedge.number = 1;
+    wedge.region = w->region.at[w->cavity.at[0]];
+    wedge.wrapped = PBWFILL__WRAPPED;
+    status = pbwfill__fill_wedge(w, &wedge);         /* `rest` has the vertices of the faces */
+    return status == PBW_OK ? pbwfill__replace_inside(w, first, done) : status == PBW_DEGENERATE ? PBW_OK : status;
 }
 
 /* Takes the vertices from number `first` on off that can be spared inside, the last one first, with another pass over
