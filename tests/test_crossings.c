@@ -575,11 +575,11 @@ static void test_crowds(void)
     if (!test_begin("a cone of %d triangles, and one of them %d times", (int)CROWD, (int)CROWD)) {
         return;
     }
-    points = (double *)zoo_grow(NULL, (CROWD + 1) * 3 * sizeof *points);
-    triangles = (pbw_index *)zoo_grow(NULL, CROWD * 3 * sizeof *triangles);
-    for (i = 0; i <= CROWD; i++) {
-        points[3 * i] = i == CROWD ? 0 : cos(6.283185307179586 * (double)i / CROWD);
-        points[3 * i + 1] = i == CROWD ? 0 : sin(6.283185307179586 * (double)i / CROWD);
+    points = (double *)zoo_grow(NULL, (CROWD + 2) * 3 * sizeof *points);
+    triangles = (pbw_index *)zoo_grow(NULL, 2 * CROWD * 3 * sizeof *triangles);
+    for (i = 0; i <= CROWD + 1; i++) {
+        points[3 * i] = i >= CROWD ? 0 : cos(6.283185307179586 * (double)i / CROWD);
+        points[3 * i + 1] = i >= CROWD ? 0 : sin(6.283185307179586 * (double)i / CROWD);
         points[3 * i + 2] = i == CROWD;
     }
     for (i = 0; i < CROWD; i++) {
@@ -589,6 +589,14 @@ static void test_crowds(void)
     }
     CHECK_EQUAL(pbw_surface_crossings(points, CROWD + 1, triangles, CROWD, NULL, &f), PBW_OK);
     CHECK(f.crossing_count == 0 && f.edge_count == CROWD && f.edge_triangles[CROWD - 1] == 1);
+    pbw_surface_faults_free(&f);
+    for (i = 0; i < 3 * CROWD; i += 3) {             /* a floor */
+        triangles[3 * CROWD + i] = CROWD + 1;
+        triangles[3 * CROWD + i + 1] = triangles[i + 2];
+        triangles[3 * CROWD + i + 2] = triangles[i + 1];
+    }
+    CHECK_EQUAL(pbw_surface_crossings(points, CROWD + 2, triangles, 2 * CROWD, NULL, &f), PBW_OK);
+    CHECK(f.crossing_count == 0 && f.edge_count == 0);
     pbw_surface_faults_free(&f);
     for (i = 0; i < 3 * CROWD; i++) {
         triangles[i] = (pbw_index)((i % 3 + i / 3) % 3);

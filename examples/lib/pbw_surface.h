@@ -863,7 +863,7 @@ typedef struct pbwsf__search {
     pbwsf__flags signs;                    /* per triangle: see pbwsf__signs_of */
     PBW_ARRAY(pbwsf__star) stars;          /* per place */
     PBW_ARRAY(pbwsf__node) nodes;          /* of the tree: node i has the children 2 i + 1 and 2 i + 2 */
-    PBW_ARRAY(pbwsf__node) far_nodes;      /* the same for the sides across from the apex */
+    PBW_ARRAY(pbwsf__node) arcs;           /* the same for the directions from the apex to the sides across */
     PBW_ARRAY(pbwsf__slab) slabs;          /* per leaf */
     size_t first_leaf, node_count;         /* node first_leaf + j has the triangles 4 j .. 4 j + 3 of items; nodes
                                               from node_count on are not there: they would have none */
@@ -1249,9 +1249,14 @@ static int pbwsf__side_of(const pbwsf__search *s, pbwsf__triangle *t, const doub
 {
     const double *a = t->x[0];
     double d[3], value, error;
+    int k;
+    for (k = 0; k < 3; k++) {                        /* a plane across an axis */
+        if (t->low[k] == p[k] && t->high[k] == p[k]) {
+            return 0;
+        }
+    }
     if (t->size[0] < 0) {
         double u[3], v[3];
-        int k;
         pbwsf__minus(t->x[1], a, u);
         pbwsf__minus(t->x[2], a, v);
         pbwsf__cross(u, v, t->n);
@@ -1271,7 +1276,8 @@ static int pbwsf__turn(int axis, const double *a, const double *b, const double 
 {
     const int i = (axis + 1) % 3, j = (axis + 2) % 3;
     const double p[2] = { a[i], a[j] }, q[2] = { b[i], b[j] }, r[2] = { c[i], c[j] };
-    return pbw_orient2(p, q, r);
+    const int on_line = (p[0] == q[0] && q[0] == r[0]) || (p[1] == q[1] && q[1] == r[1]);
+    return on_line ? 0 : pbw_orient2(p, q, r);
 }
 
 /* Returns an axis along which the triangle has area, and its sign there; 3 if it has none. */
@@ -1367,6 +1373,48 @@ static int pbwsf__folded(const double *p, const double *q, const double *a, cons
     return pbwsf__turn(axis, p, q, b) == sign;
 }
 
+/* Returns whether all corners of u are beyond one side of t, in the plane of both. */
+static int pbwsf__beside(const pbwsf__triangle *t, const pbwsf__triangle *u)
+{
+    int sign, axis = pbwsf__axis_of(t->x, &sign), i, k;
+    for (k = 0; k < 3; k++) {
+        for (i = 0; i < 3 && pbwsf__turn(axis, t->x[k], t->x[(k + 1) % 3], u->x[i]) * sign < 0; i++) {
+        }
+        if (i == 3) {
+            return 1;
+        }
+    }
+    return 0;
+}
+
+/* Returns whether two triangles are apart that are on both sides of a plane across an axis: their corners on it have
+   boxes that are apart. */
+static int pbwsf__parted(const pbwsf__triangle *t, const pbwsf__triangle *u)
+{
+    int axis, k, i;
+    for (axis = 0; axis < 3; axis++) {
+        const int above = t->low[axis] == u->high[axis];
+        const double at = above ? t->low[axis] : t->high[axis];
+        if (!above && at != u->low[axis]) {
+            continue;
+        }
+        for (k = (axis + 1) % 3; k != axis; k = (k + 1) % 3) {
+            double low[2] = { HUGE_VAL, HUGE_VAL }, high[2] = { -HUGE_VAL, -HUGE_VAL };
+            for (i = 0; i < 6; i++) {
+                const double *x = i < 3 ? t->x[i] : u->x[i - 3];
+                if (x[axis] == at) {
+                    low[i / 3] = x[k] < low[i / 3] ? x[k] : low[i / 3];
+                    high[i / 3] = x[k] > high[i / 3] ? x[k] : high[i / 3];
+                }
+            }
+            if (low[0] > high[1] || low[1] > high[0]) {
+                return 1;
+            }
+        }
+    }
+    return 0;
+}
+
 /* Returns whether two triangles have more in common than corners and sides.  Their boxes meet. */
 static int pbwsf__meet(const pbwsf__search *s, pbwsf__triangle *t, pbwsf__triangle *u)
 {
@@ -1385,10 +1433,16 @@ static int pbwsf__meet(const pbwsf__search *s, pbwsf__triangle *t, pbwsf__triang
         return pbwsf__side_of(s, t, far) == 0
             && pbwsf__folded(t->x[(4 - sum_t) % 3], t->x[(5 - sum_t) % 3], t->x[3 - sum_t], far);
     }
-    if (common == 1 && pbwsf__side_apart(t, in_t, u) && pbwsf__side_apart(u, in_u, t)) {
+    if (common == 1 ? pbwsf__side_apart(t, in_t, u) && pbwsf__side_apart(u, in_u, t) : pbwsf__parted(t, u)) {
         return 0;
     }
-    return !pbwsf__all_beyond(s, t, u, in_u, of_u) && !pbwsf__all_beyond(s, u, t, in_t, of_t)
+    if (pbwsf__all_beyond(s, t, u, in_u, of_u)) {
+        return 0;
+    }
+    if (common == 0 && of_u[0] == 0 && of_u[1] == 0 && of_u[2] == 0) {
+        return !pbwsf__beside(t, u) && !pbwsf__beside(u, t);
+    }
+    return !pbwsf__all_beyond(s, u, t, in_t, of_t)
         && (pbwsf__sides_meet(t, of_t, in_t, u) || pbwsf__sides_meet(u, of_u, in_u, t));
 }
 
@@ -1399,14 +1453,33 @@ static int pbwsf__boxes_meet(const double *low, const double *high, const double
          & (high[1] >= other_low[1]) & (low[2] <= other_high[2]) & (high[2] >= other_low[2]);
 }
 
-/* Returns whether triangles below two nodes may meet elsewhere than in a corner that all of them have: then a side
-   across from it meets a triangle. */
+/* Returns whether there is an s >= 0 so that, along each axis, s times one of the node's directions is in the box, as
+   seen from the apex.  Directions have room for 5e-15 in each bound, more than products and quotients are off. */
+static int pbwsf__reaches(const pbwsf__search *s, const pbwsf__node *arc, const pbwsf__node *box)
+{
+    const double *x = s->places.at[arc->apex];
+    double least = 0, most = HUGE_VAL;
+    int i;
+    for (i = 0; i < 6 && least <= most; i++) {       /* s d <= bound, and the same mirrored */
+        const double d = i < 3 ? arc->low[i] : -arc->high[i - 3];
+        const double bound = i < 3 ? box->high[i] - x[i] : x[i - 3] - box->low[i - 3];
+        if (d > 0) {
+            most = bound / d < most ? bound / d : most;
+        } else if (bound < 0) {
+            least = d < 0 ? (bound / d > least ? bound / d : least) : HUGE_VAL;
+        }
+    }
+    return least <= most && least < HUGE_VAL;
+}
+
+/* Returns whether triangles below two nodes may meet elsewhere than in a corner that all of them have: then there is
+   a direction from it to both. */
 static int pbwsf__nodes_meet(const pbwsf__search *s, size_t i, size_t k)
 {
-    const pbwsf__node *a = s->nodes.at + i, *b = s->nodes.at + k, *f = s->far_nodes.at + i, *g = s->far_nodes.at + k;
+    const pbwsf__node *a = s->nodes.at + i, *b = s->nodes.at + k, *f = s->arcs.at + i, *g = s->arcs.at + k;
     return pbwsf__boxes_meet(a->low, a->high, b->low, b->high)
-        && (a->apex != b->apex || a->apex == PBW_NONE || pbwsf__boxes_meet(f->low, f->high, b->low, b->high)
-            || pbwsf__boxes_meet(a->low, a->high, g->low, g->high));
+        && (f->apex != g->apex || f->apex == PBW_NONE || pbwsf__boxes_meet(f->low, f->high, g->low, g->high))
+        && (f->apex == PBW_NONE || pbwsf__reaches(s, f, b)) && (g->apex == PBW_NONE || pbwsf__reaches(s, g, a));
 }
 
 /* Returns whether two triangles have a corner in common that is a proof that they have no more in common than corners
@@ -1705,6 +1778,31 @@ static void pbwsf__empty_node(pbwsf__node *node)
     node->apex = PBW_NONE;
 }
 
+/* Extends a box by that of the directions from x to the places from a to b.  Rounding of each unit vector is below
+   1e-15, also of the coordinates' differences.  The middle of the line between two such vectors is q off the unit
+   sphere, at most a quarter of its length squared, as 1 - sqrt(1 - q) <= q; others on it are nearer. */
+static void pbwsf__extend_arc(const double *x, const double *a, const double *b, pbwsf__node *arc)
+{
+    double u[3], v[3], w[3], p, q;
+    int k, good;
+    pbwsf__minus(a, x, u);
+    pbwsf__minus(b, x, v);
+    p = sqrt(pbwsf__dot(u, u));
+    q = sqrt(pbwsf__dot(v, v));
+    good = p > 1e-100 && q > 1e-100 && p < 1e100 && q < 1e100;       /* else squares may be 0, or infinite */
+    for (k = 0; k < 3; k++) {
+        u[k] = good ? u[k] / p : 0;
+        v[k] = good ? v[k] / q : 0;
+    }
+    pbwsf__minus(u, v, w);
+    q = good ? pbwsf__dot(w, w) / 4 + 1e-14 : 1;
+    for (k = 0; k < 3; k++) {
+        w[k] = (u[k] < v[k] ? u[k] : v[k]) - q;
+        u[k] = (u[k] < v[k] ? v[k] : u[k]) + q;
+    }
+    pbwsf__extend(arc->low, arc->high, w, u);
+}
+
 /* Rounding is monotone, so that boxes that meet meet when they are rounded, too. */
 static float pbwsf__float_of(double x)
 {
@@ -1715,13 +1813,13 @@ static pbw_status pbwsf__leaf_range(void *arg, size_t from, size_t to)
 {
     pbwsf__search *s = (pbwsf__search *)arg;
     for (; from < to; from++) {
-        pbwsf__node *leaf = s->nodes.at + s->first_leaf + from, *far_leaf = s->far_nodes.at + s->first_leaf + from;
+        pbwsf__node *leaf = s->nodes.at + s->first_leaf + from, *arc = s->arcs.at + s->first_leaf + from;
         const size_t first = PBWSF__LEAF * from, next = first + PBWSF__LEAF;
         const size_t end = next < s->items.count ? next : s->items.count;
         size_t i, k;
         pbwsf__empty_node(leaf);
-        pbwsf__empty_node(far_leaf);
-        leaf->apex = pbwsf__common_corner(s->corners.at, first, end);
+        pbwsf__empty_node(arc);
+        arc->apex = pbwsf__common_corner(s->corners.at, first, end);
         for (i = first; i < next; i++) {
             pbwsf__slab *slab = s->slabs.at + from;
             pbwsf__node own;
@@ -1729,8 +1827,9 @@ static pbw_status pbwsf__leaf_range(void *arg, size_t from, size_t to)
             for (k = 3 * i; k < 3 * i + 3 && i < end; k++) {
                 const double *x = s->places.at[s->corners.at[k]];
                 pbwsf__extend(own.low, own.high, x, x);
-                if (s->corners.at[k] != leaf->apex) {
-                    pbwsf__extend(far_leaf->low, far_leaf->high, x, x);
+                if (s->corners.at[k] == arc->apex) {
+                    pbwsf__extend_arc(x, s->places.at[s->corners.at[3 * i + (k + 1) % 3]],
+                                      s->places.at[s->corners.at[3 * i + (k + 2) % 3]], arc);
                 }
             }
             pbwsf__extend(leaf->low, leaf->high, own.low, own.high);
@@ -1765,13 +1864,13 @@ static pbw_status pbwsf__plant(pbwsf__search *s)
     }
     s->first_leaf = most - 1;
     s->node_count = s->first_leaf + leaves;
-    if (PBW_FIT(s->memory, s->nodes, s->node_count + 1) && PBW_FIT(s->memory, s->far_nodes, s->node_count + 1)
+    if (PBW_FIT(s->memory, s->nodes, s->node_count + 1) && PBW_FIT(s->memory, s->arcs, s->node_count + 1)
         && PBW_FIT(s->memory, s->slabs, leaves + 1)) {
         status = pbw_for(pbwsf__next_part(s, 0.05, 0), leaves, 4096, pbwsf__leaf_range, s);
     }
     for (i = s->first_leaf; i-- > 0 && status == PBW_OK;) {
         pbwsf__fill_node(s, i, s->nodes.at);
-        pbwsf__fill_node(s, i, s->far_nodes.at);
+        pbwsf__fill_node(s, i, s->arcs.at);
     }
     return status;
 }
@@ -1904,7 +2003,7 @@ static void pbwsf__free_search(pbwsf__search *s)
     PBW_RELEASE(s->memory, s->signs);
     PBW_RELEASE(s->memory, s->stars);
     PBW_RELEASE(s->memory, s->nodes);
-    PBW_RELEASE(s->memory, s->far_nodes);
+    PBW_RELEASE(s->memory, s->arcs);
     PBW_RELEASE(s->memory, s->slabs);
 }
 
