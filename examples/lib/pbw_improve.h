@@ -64,8 +64,8 @@
      positive    every tetrahedron made is positively oriented, by exact signs
      kept        fixed points, feature edges, the edges given, regions and their interfaces, patches and their
                  borders; the boundary is as manifold as it was and has the same Euler number, and stays on the
-                 surface, to 25 degrees of its normals; facets of
-                 these between frozen points, to the bit
+                 surface, to 25 degrees of its normals, 40 around what is left below the target; facets of these
+                 between frozen points, to the bit
      same        the same bytes for the same input, whatever options.threads says (and unless a budget in seconds ends
                  it)
 
@@ -675,9 +675,11 @@ enum {
 #define PBWIM__PASSES 60
 #define PBWIM__GAIN 1e-3                   /* least gain of the least sine for an operation */
 #define PBWIM__SMOOTH_GAIN 0.1             /* least gain of smoothing, as a share of the way to the target */
+#define PBWIM__LAST_GAIN 0.01              /* the same around what is left after the passes */
 #define PBWIM__DISTANCE_SHARE 0.6          /* of the distance limit: what boundary facets may use at first */
-#define PBWIM__RAISE 0.07                  /* radians, 4 degrees: raises the target around bad tetrahedra */
+#define PBWIM__RAISE 0.07                  /* radians, 4 degrees: raises the target around what is left */
 #define PBWIM__SMOOTH_COSINE 0.90630778703665          /* cos 25 degrees: boundary facets turn by less */
+#define PBWIM__LAST_COSINE 0.766044443118978           /* cos 40 degrees: the same around what is left */
 
 typedef struct pbwim__kept_edge { pbw_index a, b, origin; } pbwim__kept_edge; /* a < b; origin PBW_NONE: no more */
 typedef PBW_ARRAY(pbwim__kept_edge) pbwim__kept_edges;
@@ -692,6 +694,9 @@ typedef struct pbwim__mesh {
     void (*project)(void *user, double point[3]);
     void *project_user;
     double distance;                       /* of boundary facets from the surface, at most */
+    double turn;                           /* cosine: boundary facets turn by less */
+    double smooth_gain;                    /* least gain of smoothing, as a share of the way to the target */
+    int turned;                            /* 1: smoothing climbs in directions turned at random */
     /* per point */
     pbwsf__vectors x;
     pbwsf__indices star, touched, original;
@@ -1359,15 +1364,15 @@ static int pbwim__may_flip(pbwim__mesh *m, const pbwim__ring *ring)
     pbwsf__normal(m->x.at[b], m->x.at[a], m->x.at[last], n[1]);
     pbwsf__normal(m->x.at[a], m->x.at[last], m->x.at[first], n[2]);
     pbwsf__normal(m->x.at[b], m->x.at[first], m->x.at[last], n[3]);
-    if (!pbwim__turned_less(n[0], n[1], PBWIM__SMOOTH_COSINE) || pbwim__is_border(m, ring)
+    if (!pbwim__turned_less(n[0], n[1], m->turn) || pbwim__is_border(m, ring)
         || pbwim__is_frozen(m, ring)) {
         return 0;
     }
     for (i = 0; i < 3; i++) {
         sum[i] = n[0][i] + n[1][i];
     }
-    if (!pbwim__turned_less(n[2], sum, PBWIM__SMOOTH_COSINE) || !pbwim__turned_less(n[3], sum, PBWIM__SMOOTH_COSINE)
-        || !pbwim__turned_less(n[2], n[3], PBWIM__SMOOTH_COSINE)) {
+    if (!pbwim__turned_less(n[2], sum, m->turn) || !pbwim__turned_less(n[3], sum, m->turn)
+        || !pbwim__turned_less(n[2], n[3], m->turn)) {
         return 0;
     }
     count = pbwim__star_of(m, first, star);                  /* is there such an edge already? */
@@ -1551,6 +1556,26 @@ static int pbwim__directions(const double *normal, double direction[14][3])
     return 8;
 }
 
+/* Turns the directions around the normal, or in space around a random axis, by a random angle. */
+static void pbwim__turn_directions(const double *normal, uint64_t key, int count, double direction[14][3])
+{
+    double axis[3], across[3], length, u[4];
+    int i, k;
+    for (i = 0; i < 4; i++) {                        /* from -1 to 1 */
+        u[i] = (double)(pbw_random(key, (uint64_t)i) >> 11) / 4503599627370496.0 - 1;
+    }
+    memcpy(axis, normal != NULL ? normal : u + 1, sizeof axis);
+    length = sqrt(pbwsf__dot(axis, axis));
+    for (i = 0; i < count && length > 0; i++) {      /* Rodrigues' formula; u[0] is the tangent of half the angle */
+        const double sine = 2 * u[0] / (1 + u[0] * u[0]), cosine = (1 - u[0] * u[0]) / (1 + u[0] * u[0]);
+        const double along = (1 - cosine) * pbwsf__dot(axis, direction[i]) / (length * length);
+        pbwsf__cross(axis, direction[i], across);
+        for (k = 0; k < 3; k++) {
+            direction[i][k] = cosine * direction[i][k] + sine * across[k] / length + along * axis[k];
+        }
+    }
+}
+
 /* Hill climbing: moves x to a nearby maximum of the cone's least sine.  Each step takes the best of some directions;
    if none is better, steps become half as long.  from: the sine at x.  With the normal of a surface, x stays on it;
    places with a clearly lower sine are not projected, as projecting takes longest.  Returns the sine at the last x.
@@ -1565,6 +1590,9 @@ static double pbwim__climb(pbwim__mesh *m, pbwim__cone *cone, const double *norm
     }
     for (step = 0.2 * length, moves = 0; step > 0.01 * length && moves < 40 && best < m->target; moves++) {
         double place[3], chosen[3], reached = best;
+        if (m->turned) {
+            pbwim__turn_directions(normal, (uint64_t)m->clock << 6 | (uint64_t)moves, directions, direction);
+        }
         for (i = 0; i < directions; i++) {
             double sine;
             for (k = 0; k < 3; k++) {
@@ -1709,7 +1737,7 @@ static int pbwim__smooth(pbwim__mesh *m, pbw_index p)
     memcpy(before, m->x.at[p], sizeof before);
     memcpy(x, before, sizeof x);
     if (pbwim__climb(m, &cone, slides ? normal : NULL, worst, x)
-        <= worst + fmax(PBWIM__GAIN, PBWIM__SMOOTH_GAIN * (m->target - worst))
+        <= worst + fmax(PBWIM__GAIN, m->smooth_gain * (m->target - worst))
         || (slides && !pbwim__move_stays_near(m, p, x, star, count))) {
         return 0;
     }
@@ -1829,7 +1857,7 @@ static int pbwim__peel(pbwim__mesh *m, pbw_index t)
     }
     for (i = 0; i < 4; i++) {
         for (k = 0; k < i; k++) {
-            if (!pbwim__turned_less(n[i], n[k], PBWIM__SMOOTH_COSINE)) {
+            if (!pbwim__turned_less(n[i], n[k], m->turn)) {
                 return 0;
             }
         }
@@ -1911,7 +1939,7 @@ static int pbwim__may_slide_to(const pbwim__mesh *m, pbw_index p, pbw_index q, c
                 pbwim__outward(m, star[i], k, n[0]);
                 pbwsf__normal(m->x.at[c[o[0]] == p ? q : c[o[0]]], m->x.at[c[o[2]] == p ? q : c[o[2]]],
                               m->x.at[c[o[1]] == p ? q : c[o[1]]], n[1]);
-                if (!pbwim__turned_less(n[0], n[1], PBWIM__SMOOTH_COSINE)) {
+                if (!pbwim__turned_less(n[0], n[1], m->turn)) {
                     return 0;
                 }
             }
@@ -2246,7 +2274,7 @@ static int pbwim__split(pbwim__mesh *m, pbw_index t)
         }
         pbwsf__normal(m->x.at[ring.a], m->x.at[ring.b], m->x.at[ring.corner[0]], n[0]);
         pbwsf__normal(m->x.at[ring.b], m->x.at[ring.a], m->x.at[ring.corner[ring.corners - 1]], n[1]);
-        if (!ring.closed && (!pbwim__turned_less(n[0], n[1], PBWIM__SMOOTH_COSINE) || pbwim__is_border(m, &ring)
+        if (!ring.closed && (!pbwim__turned_less(n[0], n[1], m->turn) || pbwim__is_border(m, &ring)
                              || pbwim__is_frozen(m, &ring))) {
             continue;
         }
@@ -4288,20 +4316,24 @@ static int pbwim__relax_distance(pbwim__mesh *m, const pbw_improve_options *how)
 }
 
 /* Raises the target around the bad tetrahedra for four passes, which changes their neighbours, then makes four passes
-   with the old target.  While it is raised, the boundary moves no farther from the surface. */
-static pbw_status pbwim__raise_target(pbwim__mesh *m, double done[2])
+   with the old target.  While it is raised, the boundary moves no farther from the surface.  In all eight, smoothing
+   climbs in random directions, smaller gains do, and boundary facets may turn by more. */
+static pbw_status pbwim__raise_target(pbwim__mesh *m, double raise, double done[2])
 {
     const double target = m->target, distance = m->distance;
     pbw_status status = PBW_OK;
     size_t changes;
     int i;
+    m->turn = PBWIM__LAST_COSINE;
+    m->smooth_gain = PBWIM__LAST_GAIN;
+    m->turned = 1;
     status = pbwim__flag_active(m);
     memset(m->tried.at, 0, m->tets * sizeof *m->tried.at);
     for (i = 0; i < 8 && status == PBW_OK && !pbwim__is_late(m); i++) {
         if (i % 4 == 0) {
             pbwim__forget_failures(m);
         }
-        m->target = i < 4 ? sin(fmin(asin(target) + PBWIM__RAISE, 1.2)) : target;
+        m->target = i < 4 ? sin(fmin(asin(target) + raise, 1.2)) : target;
         m->distance = i < 4 && distance > 0 ? 1e-300 : distance;
         done[1] = done[0] + (1 - done[0]) / 8;
         status = pbwim__pass(m, 1, done, &changes);
@@ -4346,15 +4378,13 @@ static pbw_status pbwim__passes(pbwim__mesh *m, const pbw_improve_options *how)
             bad = now;
         }
     }
-    for (i = 0; i < 2 && status == PBW_OK && !pbwim__is_late(m)
+    for (i = 1; i <= 2 && status == PBW_OK && !pbwim__is_late(m)
          && (most == PBWIM__PASSES || m->report->passes + 8 <= most); i++) {
-        double now;
-        status = pbwim__measure_badness(m, &now);
-        if (status != PBW_OK || !(now > 0) || (i > 0 && now >= 0.97 * bad)) {
+        status = pbwim__measure_badness(m, &bad);
+        if (status != PBW_OK || !(bad > 0)) {
             break;
         }
-        bad = now;
-        status = pbwim__raise_target(m, done);
+        status = pbwim__raise_target(m, i * PBWIM__RAISE, done);
     }
     return status;
 }
@@ -4401,6 +4431,8 @@ static pbw_status pbwim__run(pbwim__mesh *m, const pbw_tets *in, const pbw_impro
         return status;
     }
     m->cosine = cos(angle / 57.295779513082321);
+    m->turn = PBWIM__SMOOTH_COSINE;
+    m->smooth_gain = PBWIM__SMOOTH_GAIN;
     for (t = 0; t < m->points && m->sized; t++) {
         if (!(how->sizes[t] > 0 && how->sizes[t] <= 1e300)) {
             pbwim__set_message(m, "size %zu is not above 0", t, 0);
