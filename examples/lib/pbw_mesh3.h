@@ -5047,32 +5047,44 @@ static void pbwm3__clear_ball(pbwm3__work *w, const pbwm3__piece *piece)
     } while (p != PBW_NONE);
 }
 
-/* Returns how many points are added, -1 without memory; counts missing pieces in the report. */
+/* Sorts the pieces of sharp edges, flags those that are edges of tetrahedra inside, and counts the others in the
+   report.  Returns 0 without memory. */
+static int pbwm3__find_missing(pbwm3__work *w, pbwsf__flags *found)
+{
+    const size_t count = w->pieces.count;
+    pbwm3__finding finding;
+    size_t i;
+    w->report->missing_edges = 0;
+    if (!PBW_ZEROS(&w->memory, *found, count)) {
+        return 0;
+    }
+    finding.w = w;
+    finding.found = found->at;
+    if (count > 0) {
+        qsort(w->pieces.at, count, sizeof(pbwm3__piece), pbwm3__compare_pieces);
+        if (!pbwm3__for(w, w->now.mesh.simplex_count, PBWM3__SLICE, pbwm3__find_pieces, &finding)) {
+            return 0;
+        }
+    }
+    for (i = 0; i < count; i++) {
+        w->report->missing_edges += !found->at[i];
+    }
+    return 1;
+}
+
+/* Halves missing pieces.  Returns how many points are added, -1 without memory. */
 static long pbwm3__halve_pieces(pbwm3__work *w)
 {
     const size_t count = w->pieces.count;
     pbwsf__flags found = { NULL, 0, 0 };
-    pbwm3__finding finding;
-    long added = 0;
+    long added = pbwm3__find_missing(w, &found) ? 0 : -1;
     size_t i;
-    w->report->missing_edges = 0;
-    if (count == 0) {
-        return 0;
-    }
-    qsort(w->pieces.at, count, sizeof(pbwm3__piece), pbwm3__compare_pieces);
-    if (!PBW_ZEROS(&w->memory, found, count)) {
-        return -1;
-    }
-    finding.w = w;
-    finding.found = found.at;
-    added = pbwm3__for(w, w->now.mesh.simplex_count, PBWM3__SLICE, pbwm3__find_pieces, &finding) ? 0 : -1;
     for (i = 0; i < count && added >= 0; i++) {
         pbwm3__piece *piece = w->pieces.at + i, second = *piece;
         double p[3];
         if (found.at[i]) {
             continue;
         }
-        w->report->missing_edges++;
         pbwm3__clear_ball(w, piece);
         if (piece->to - piece->from > 0.1 * w->least) {
             second.from = (piece->from + piece->to) / 2;
@@ -5700,6 +5712,7 @@ static pbw_status pbwm3__make_manifold(pbwm3__work *w)
     const size_t count = w->now.mesh.simplex_count;
     size_t faults = w->report->bad_edges + w->report->bad_points, bytes = count * sizeof(int);
     pbwm3__labels best = { NULL, 0, 0 };
+    pbwsf__flags found = { NULL, 0, 0 };
     pbwm3__topology top;
     pbw_status status = PBW_ERROR_MEMORY;
     int pass, changed = 1, touches = 0;
@@ -5722,7 +5735,9 @@ static pbw_status pbwm3__make_manifold(pbwm3__work *w)
     if (status == PBW_OK) {
         memcpy(w->now.label.at, best.at, bytes);
         status = pbwm3__find_faults(w, &top);
+        status = status == PBW_OK && !pbwm3__find_missing(w, &found) ? PBW_ERROR_MEMORY : status;
     }
+    PBW_RELEASE(&w->memory, found);
     PBW_RELEASE(&w->memory, best);
     PBW_RELEASE(&w->memory, top.edges);
     PBW_RELEASE(&w->memory, top.flags);
