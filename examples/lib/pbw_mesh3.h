@@ -5816,11 +5816,11 @@ static int pbwm3__find_regions(pbwm3__work *w, pbwsf__indices *regions)
     return good;
 }
 
-typedef struct pbwm3__filling { pbwm3__work *w; const pbw_index *region; } pbwm3__filling;
+typedef struct pbwm3__interior { pbwm3__work *w; const pbw_index *region; } pbwm3__interior;
 
 static size_t pbwm3__list_inside(void *lists, size_t t, size_t at)
 {
-    const pbwm3__filling *l = (const pbwm3__filling *)lists;
+    const pbwm3__interior *l = (const pbwm3__interior *)lists;
     const int label = l->w->now.label.at[t];
     if (label && at != PBWM3__COUNTS) {
         memcpy(l->w->corners.at + at, l->w->now.mesh.simplices + 4 * t, sizeof *l->w->corners.at);
@@ -5833,7 +5833,7 @@ static size_t pbwm3__list_inside(void *lists, size_t t, size_t at)
 static int pbwm3__fill_inside(pbwm3__work *w)
 {
     pbwsf__indices regions = { NULL, 0, 0 };
-    pbwm3__filling l = { w, NULL };
+    pbwm3__interior l = { w, NULL };
     pbwm3__listing listing;
     size_t count = 0;
     int good = w->walls || w->shells.count < 2 || pbwm3__find_regions(w, &regions);
