@@ -5707,6 +5707,7 @@ static pbw_status pbwm3__mend_stars(pbwm3__work *w, const pbwm3__topology *top, 
     return good ? PBW_OK : PBW_ERROR_MEMORY;
 }
 
+/* Relabels while faults get fewer; then the report has the faults and the missing pieces of sharp edges. */
 static pbw_status pbwm3__make_manifold(pbwm3__work *w)
 {
     const size_t count = w->now.mesh.simplex_count;
@@ -5848,23 +5849,28 @@ static int pbwm3__fill_inside(pbwm3__work *w)
     return good;
 }
 
-enum { PBWM3__FEW = 500 };                 /* if fewer than one of so many is bad, tips may be why */
+enum { PBWM3__FEW = 500 };                 /* if fewer than one of so many is bad, points that are fixed may be why */
 
-/* Improves once more, with tips that may move. */
-static pbw_status pbwm3__improve_tips(pbwm3__work *w, const pbw_improve_options *improve, pbw_options *own,
-                                      pbw_tets *out)
+/* Improves once more: only points on sharp edges stay, others may slide, which were tips or seemed to be features. */
+static pbw_status pbwm3__improve_again(pbwm3__work *w, const pbw_improve_options *improve, pbw_options *own,
+                                       pbw_tets *out)
 {
     pbw_improve_report *sum = &w->report->improve, more;
     pbw_tets in = *out, better;
     pbwsf__flags marks = { NULL, 0, 0 };
     pbw_status status;
-    size_t i;
+    size_t i, freed = 0;
     if (!PBW_FIT(&w->memory, marks, in.point_count)) {
         return PBW_ERROR_MEMORY;
     }
     for (i = 0; i < in.point_count; i++) {
-        const int tip = in.original[i] != PBW_NONE && w->kind.at[in.original[i]] == PBWM3__TIP;
-        marks.at[i] = tip ? PBW_TETS_FOUND : in.marks[i];
+        const int sharp = in.original[i] != PBW_NONE && w->kind.at[in.original[i]] == PBWM3__SHARP;
+        marks.at[i] = sharp ? PBW_TETS_FIXED : PBW_TETS_FOUND;
+        freed += !sharp && in.marks[i] == PBW_TETS_FIXED;
+    }
+    if (freed == 0) {
+        PBW_RELEASE(&w->memory, marks);
+        return PBW_OK;
     }
     in.marks = marks.at;
     w->from = w->to;                                 /* its progress was the first one's */
@@ -5892,14 +5898,13 @@ static pbw_status pbwm3__improve(pbwm3__work *w, pbw_tets *out)
     pbw_options own = w->options;
     pbw_status status;
     pbw_tets in;
-    size_t i, tips = 0;
+    size_t i;
     memset(&in, 0, sizeof in);
     if (!pbwm3__fill_inside(w) || !PBW_FIT(&w->memory, w->marks, w->x.count + 1)) {
         return PBW_ERROR_MEMORY;
     }
     for (i = 0; i < w->x.count; i++) {
         w->marks.at[i] = w->kind.at[i] <= PBWM3__TIP ? PBW_TETS_FIXED : PBW_TETS_FOUND;
-        tips += w->kind.at[i] == PBWM3__TIP;
     }
     if (w->corners.count == 0) {
         return PBW_DEGENERATE;
@@ -5923,9 +5928,12 @@ static pbw_status pbwm3__improve(pbwm3__work *w, pbw_tets *out)
     own.memory_limit = pbw_memory_left(&w->memory);
     status = pbw_improve(&in, &improve, &own, out, &w->report->improve);
     w->memory.used += pbwim__result_bytes(out);
-    return status == PBW_OK && tips > 0 && w->report->improve.left > 0 && improve.passes >= 0 && !pbwm3__is_late(w)
-           && w->report->improve.left < out->tet_count / PBWM3__FEW ? pbwm3__improve_tips(w, &improve, &own, out)
-         : status;
+    if (status == PBW_OK && w->report->improve.left > 0 && improve.passes >= 0 && !pbwm3__is_late(w)
+        && w->report->improve.left < out->tet_count / PBWM3__FEW) {
+        improve.feature_angle = w->how.improve.feature_angle > 0 ? improve.feature_angle : 180;
+        status = pbwm3__improve_again(w, &improve, &own, out);
+    }
+    return status;
 }
 
 enum { PBWM3__DISTANCES = 256 };           /* triangles of a range */
