@@ -282,30 +282,35 @@ static void test_distance(void)
     test_end();
 }
 
+/* Two pyramids or cones, base to base. */
+static void make_bipyramid(part *m, size_t sides, double radius, double height)
+{
+    const double step = 2 * PARTS_PI / (double)sides;
+    size_t i;
+    m->points = m->triangles = 0;
+    for (i = 0; i < sides; i++) {
+        (void)part_point(m, radius * cos(step * (double)i), radius * sin(step * (double)i), 0);
+    }
+    (void)part_point(m, 0, 0, -height);
+    (void)part_point(m, 0, 0, height);
+    for (i = 0; i < sides; i++) {
+        part_triangle(m, (i + 1) % sides, i, sides);
+        part_triangle(m, i, (i + 1) % sides, sides + 1);
+    }
+}
+
 /* Two cones, base to base, with tips thinner than a third of the size: the boundary comes near them. */
 static void test_horns(void)
 {
     static part m;
-    const size_t sides = 32;
-    const double step = 2 * PARTS_PI / (double)sides, radius = 0.5, height = 2.5;
     pbw_solid_options how;
     pbw_solid_report r;
     pbw_solid_input in;
     pbw_tets mesh;
-    size_t i;
     if (!test_begin("tips thinner than the size")) {
         return;
     }
-    m.points = m.triangles = 0;
-    for (i = 0; i < sides; i++) {
-        (void)part_point(&m, radius * cos(step * (double)i), radius * sin(step * (double)i), 0);
-    }
-    (void)part_point(&m, 0, 0, -height);
-    (void)part_point(&m, 0, 0, height);
-    for (i = 0; i < sides; i++) {
-        part_triangle(&m, (i + 1) % sides, i, sides);
-        part_triangle(&m, i, (i + 1) % sides, sides + 1);
-    }
+    make_bipyramid(&m, 32, 0.5, 2.5);
     in = input_of(&m);
     memset(&how, 0, sizeof how);
     how.size = 0.4;
@@ -319,6 +324,99 @@ static void test_horns(void)
     CHECK_EQUAL(pbw_solid(&in, &how, NULL, &mesh, NULL, &r), PBW_OK);
     CHECK(r.distance > 0.45);
     pbw_tets_free(&mesh);
+    test_end();
+}
+
+/* Points that stay at tips and ridges spoil tetrahedra there, of 23 degrees; these points are let go. */
+static void test_tips_let_go(void)
+{
+    static part m;
+    pbw_solid_options how;
+    pbw_solid_report r;
+    pbw_solid_input in;
+    pbw_tets mesh;
+    if (!test_begin("tips that spoil tetrahedra")) {
+        return;
+    }
+    make_bipyramid(&m, 3, 0.5, 2);
+    in = input_of(&m);
+    memset(&how, 0, sizeof how);
+    how.sharp = PBW_SOLID_SHARP_NONE;
+    how.size = 0.16;
+    CHECK_EQUAL(pbw_solid(&in, &how, NULL, &mesh, NULL, &r), PBW_OK);
+    CHECK(is_sound(&mesh) && r.bad_edges + r.bad_points == 0 && r.euler == 2);
+    CHECK_EQUAL(r.improve.left, 0);
+    CHECK(r.improve.after.least > 29.9 && r.distance < 0.4);
+    test_say("%zu tetrahedra %.2f..%.2f, distance %.3f", mesh.tet_count, r.improve.after.least,
+             r.improve.after.largest, r.distance);
+    pbw_tets_free(&mesh);
+    test_end();
+}
+
+/* A box of which no sharp edge is kept: points on its creases and at their corners keep the boundary near. */
+static void test_creases(void)
+{
+    static const double low[3] = { 0, 0, 0 }, high[3] = { 1, 0.8, 0.7 };
+    static part m;
+    pbw_solid_options how;
+    pbw_solid_report r;
+    pbw_solid_input in;
+    pbw_tets mesh;
+    int i;
+    if (!test_begin("creases and their corners")) {
+        return;
+    }
+    m.points = m.triangles = 0;
+    (void)part_box(&m, low, high, 0);
+    in = input_of(&m);
+    memset(&how, 0, sizeof how);
+    how.sharp = PBW_SOLID_SHARP_NONE;
+    for (i = 1; i < 4; i++) {
+        how.size = 0.1 * i;
+        CHECK_EQUAL(pbw_solid(&in, &how, NULL, &mesh, NULL, &r), PBW_OK);
+        CHECK(is_sound(&mesh) && r.bad_edges + r.bad_points == 0 && r.euler == 2 && r.sharp_edges == 0);
+        CHECK(r.distance < 0.15 && r.improve.after.least > 29);
+        test_say("%zu tetrahedra %.2f..%.2f, distance %.3f", mesh.tet_count, r.improve.after.least,
+                 r.improve.after.largest, r.distance);
+        pbw_tets_free(&mesh);
+    }
+    test_end();
+}
+
+/* Sharp edges that other labels take from the boundary are missing in the report. */
+static void test_missing(void)
+{
+    static const double low[3] = { 0, 0, 0 }, high[3] = { 1, 1, 1 };
+    static part m;
+    pbw_solid_options how;
+    pbw_solid_report r;
+    pbw_solid_input in;
+    pbwm3__call call;
+    pbwm3__work w;
+    size_t t;
+    if (!test_begin("sharp edges lost by other labels")) {
+        return;
+    }
+    m.points = m.triangles = 0;
+    (void)part_box(&m, low, high, 0);
+    in = input_of(&m);
+    memset(&how, 0, sizeof how);
+    memset(&call, 0, sizeof call);
+    how.size = 0.3;
+    call.input = &in;
+    call.how = &how;
+    call.deadline = HUGE_VAL;
+    CHECK_EQUAL(pbwm3__attempt(&call, 0, PBW_SOLID_SHARP_AUTO, 0, &r, &w), PBW_OK);
+    CHECK_EQUAL(r.missing_edges, 0);
+    for (t = 0; t < 4 * w.now.mesh.simplex_count; t++) {         /* of all tetrahedra at one end of a piece */
+        if (w.now.mesh.simplices[t] == w.pieces.at[0].a) {
+            w.now.label.at[t / 4] = 0;
+        }
+    }
+    CHECK_EQUAL(pbwm3__make_manifold(&w), PBW_OK);
+    CHECK(r.missing_edges > 0);
+    test_say("%zu of %zu pieces are missing", r.missing_edges, w.pieces.count);
+    pbwm3__free(&w);
     test_end();
 }
 
@@ -1835,6 +1933,9 @@ int main(int argc, char **argv)
     test_features();
     test_tip();
     test_horns();
+    test_tips_let_go();
+    test_creases();
+    test_missing();
     test_gaps();
     test_acute();
     test_thin();
