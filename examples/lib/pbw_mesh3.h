@@ -4848,8 +4848,8 @@ static int pbwm3__list_boundary(pbwm3__work *w, pbwsf__triples *facets, pbwm3__l
     return good;
 }
 
-/* Finds the bad edges and points in place of those in top, and flags the ends of bad edges, too; the report gets their
-   numbers. */
+/* Finds the bad edges and points in place of those in top, and flags the ends of bad edges, too; the report gets
+   their numbers. */
 static pbw_status pbwm3__find_faults(pbwm3__work *w, pbwm3__topology *top)
 {
     pbwsf__triples facets = { NULL, 0, 0 };
@@ -5617,7 +5617,8 @@ static int pbwm3__relabel_part(pbwm3__work *w, pbwm3__star *star)
     }
     for (i = 0; i < 4 * count && least < count && !found; i++) {
         const pbw_index n = pbwm3__behind(w, star, i);
-        if (n != PBW_NONE && pbwm3__root_of(part, i / 4) == least && w->now.label.at[n] != w->now.label.at[tet[i / 4]]) {
+        if (n != PBW_NONE && pbwm3__root_of(part, i / 4) == least
+            && w->now.label.at[n] != w->now.label.at[tet[i / 4]]) {
             label = w->now.label.at[n];
             found = 1;
         }
@@ -5657,7 +5658,8 @@ static int pbwm3__list_stars(pbwm3__work *w, const unsigned char *flag, pbwsf__c
     return 1;
 }
 
-/* Relabels parts of a star while one label has several.  *changed: whether there was one.  Returns 0 without memory. */
+/* Relabels parts of a star while one label has several.  *changed: whether there was one.  Returns 0 without
+   memory. */
 static int pbwm3__mend_star(pbwm3__work *w, pbwm3__star *star, int *changed)
 {
     int tries;
