@@ -2507,7 +2507,8 @@ static pbw_status pbwfill__find_regions(pbwfill__work *w)
    ------------------------------------------------------------------------------------------------------ */
 enum { PBWFILL__WRAPPED = 60,              /* most faces of wedges that are wrapped first */
        PBWFILL__STAR = 1500,               /* most tetrahedra at a point */
-       PBWFILL__MENDED = 100 };            /* most of other cavities that are filled again */
+       PBWFILL__MENDED = 100,              /* most of other cavities that are filled again */
+       PBWFILL__EFFORT = 30000 };          /* most tetrahedra of stars that are tried for one point */
 
 typedef struct pbwfill__sector { pbw_index triangle, x, y; int wedge; } pbwfill__sector;   /* the face v x y of the
                                                              triangle, the wedge is on its positive side */
@@ -3670,8 +3671,9 @@ static int pbwfill__split_facets(pbwfill__work *w, const pbwfill__flats *f, cons
     return 1;
 }
 
-/* Cuts flat facets into the input's triangles, but for those with added vertices. */
-static pbw_status pbwfill__cut_facets(pbwfill__work *w)
+/* Cuts flat facets into the input's triangles, but for those with added vertices, and *failed others; the last call
+   reports these. */
+static pbw_status pbwfill__cut_facets(pbwfill__work *w, int last, size_t *failed)
 {
     pbwfill__flats f;
     PBW_ARRAY(unsigned char) left = { NULL, 0, 0 };
@@ -3691,9 +3693,12 @@ static pbw_status pbwfill__cut_facets(pbwfill__work *w)
             status = PBW_ERROR_MEMORY;
         }
         if (status == PBW_DEGENERATE && w->report->refusal != PBW_FILL_CROSSING) {
-            (void)pbwfill__refuse(w, PBW_FILL_POINTS_LEFT, w->members.at[w->facet_first.at[i]], PBW_NONE);
-            left.at[i] = 1;
             status = PBW_OK;
+            left.at[i] = 1;
+            *failed += 1;
+            if (last) {
+                (void)pbwfill__refuse(w, PBW_FILL_POINTS_LEFT, w->members.at[w->facet_first.at[i]], PBW_NONE);
+            }
         }
     }
     if (status == PBW_OK && !pbwfill__split_facets(w, &f, left.at)) {
@@ -3854,7 +3859,7 @@ static pbw_status pbwfill__remove_wide(pbwfill__work *w, pbwfill__star *star, si
     const pbw_index v = star->v;
     pbwfill__wedge wedge;
     pbw_status status = PBW_OK;
-    size_t i;
+    size_t i, effort = 0;
     int k, pair;
     star->polygon.count = 0;                         /* the neighbours */
     if (!pbwfill__open_star(w, v) || !pbwfill__list_faces(w)
@@ -3866,7 +3871,7 @@ static pbw_status pbwfill__remove_wide(pbwfill__work *w, pbwfill__star *star, si
         star->polygon.count += w->rest.at[i] != v;
     }
     for (pair = 0; pair < 2; pair++) {
-        for (i = 0; i < star->polygon.count && !*done && status == PBW_OK; i++) {
+        for (i = 0; i < star->polygon.count && !*done && status == PBW_OK && effort < PBWFILL__EFFORT; i++) {
             const pbw_index u = star->polygon.at[i];
             double x[3];
             if (pair && u < first) {
@@ -3876,6 +3881,7 @@ static pbw_status pbwfill__remove_wide(pbwfill__work *w, pbwfill__star *star, si
             if (!pbwfill__open_star(w, v) || (pair && !(pbwfill__add_star(w, u) && pbwfill__list_faces(w)))) {
                 return PBW_ERROR_MEMORY;
             }
+            effort += w->cavity.count;
             if (pair) {
                 for (k = 0; k < 3; k++) {
                     x[k] = (x[k] + pbwfill__at(w, v)[k]) / 2;
@@ -3931,6 +3937,8 @@ static pbw_status pbwfill__clear_inside(pbwfill__work *w, pbwfill__star *star, s
 static pbw_status pbwfill__make_exact(pbwfill__work *w)
 {
     const size_t count = pbwfill__vertices(w);
+    size_t failed = 1;
+    int last;
     pbwfill__star star;
     pbw_status status;
     if (w->how.conforming) {
@@ -3939,8 +3947,11 @@ static pbw_status pbwfill__make_exact(pbwfill__work *w)
     memset(&star, 0, sizeof star);
     memset(w->sign.at, 1, w->sign.count);            /* one side only */
     status = pbwfill__clear_surface(w, &star);
-    status = status != PBW_OK ? status : pbwfill__cut_facets(w);
-    status = status != PBW_OK ? status : pbwfill__clear_inside(w, &star, count);
+    for (last = 0; last < 2 && status == PBW_OK && failed > 0; last++) {       /* points that go make room */
+        failed = 0;
+        status = pbwfill__cut_facets(w, last, &failed);
+        status = status != PBW_OK ? status : pbwfill__clear_inside(w, &star, count);
+    }
     PBW_RELEASE(&w->memory, star.sectors);
     PBW_RELEASE(&w->memory, star.ears);
     PBW_RELEASE(&w->memory, star.regions);
