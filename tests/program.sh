@@ -505,7 +505,7 @@ if script -qec true /dev/null < /dev/null > /dev/null 2>&1; then
     check "stages of what is inside" stages "read surface order build output check inside write" \
         mesh cube.obj --inside -o typed.vtu
     # An input that is late: seconds are shown until it is there to be read.
-    slow() { until grep -q ' [2-9] s' typed || [ "$waited" = xxxxxxxxxx ]; do sleep 0.5; waited=x$waited; done; cat m.csv; }
+    slow() { until grep -q ' [2-9] s' typed || [ ${#waited} = 240 ]; do sleep 0.5; waited=x$waited; done; cat m.csv; }
     late() {
         : > typed
         mkfifo late.csv && { slow > late.csv & } && script -qfec "'$pbw' mesh late.csv -o late.vtu" typed < /dev/null > said &&

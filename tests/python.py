@@ -12,7 +12,6 @@ import subprocess
 import sys
 import tempfile
 import threading
-import time
 import traceback
 import types
 import unittest.mock
@@ -927,17 +926,18 @@ def points_that_live_and_what_is_refused():
 @test
 def points_that_live_and_an_interrupt():
     points = np.random.default_rng(2).random((1500, 2))
-    interrupt = threading.Event()
+    interrupt, ended = threading.Event(), threading.Event()
 
     def progress(stage, done):
         if interrupt.is_set():
             interrupt.clear()
             _thread.interrupt_main()
-            time.sleep(1.3)                                               # longer than the interrupted call waits
+            ended.wait(600)                                               # longer than the interrupted call waits
     live = pbw.Live(points, progress=progress)
     live.insert(points + 2)
     interrupt.set()
     raises(KeyboardInterrupt, live.commit)
+    threading.Timer(0.2, ended.set).start()
     live.insert(points[:9] + 4)                                           # waits for the thread that still works
     live.commit()
     equal(live.npoints, 3009)

@@ -121,7 +121,7 @@ told = said.find(b"interrupted; ")
 sys.exit(told < 0 or b"several" in said[told:])
 END
 if command -v python3 > /dev/null; then
-    check "nothing is drawn behind an interruption" timeout 60 python3 interrupt.py "$pbw" tiles long.bin --tiles 24 \
+    check "nothing is drawn behind an interruption" timeout 600 python3 interrupt.py "$pbw" tiles long.bin --tiles 24 \
         --threads 4 --work 4 -o i.pbwt
 else
     skip "no python3 for a terminal"
@@ -324,7 +324,7 @@ killed() {
 }
 check "a killed run goes on" killed
 stopped() {    # by Ctrl-C, which shells turn off for what runs behind; once more if it came too late
-    for try in 1 2 3; do
+    for try in 1 2 3 4 5 6 7 8 9; do
         env --default-signal=INT "$pbw" tiles long.bin --tiles 8 -o i.pbwt > going 2>&1 &
         number=$!
         while ! grep -q ' 2 of 8' going && kill -0 $number 2> /dev/null; do sleep 0.05; done
@@ -395,7 +395,7 @@ if command -v mpirun > /dev/null && [ -x "$bin/mpi" ]; then
     in_full "MPI: too little memory" mpi_fails "memory" long.bin --memory-limit 3000000 -o no.pbwt
     in_full "MPI: no folder" mpi_fails "none/no.pbwt" k0.3.bin -o none/no.pbwt
     mpi_killed() {
-        timeout 60 mpirun -np 3 "$bin/mpi" k0.3.bin --die 1 -o no.pbwt > said 2>&1
+        timeout 600 mpirun -np 3 "$bin/mpi" k0.3.bin --die 1 -o no.pbwt > said 2>&1
         code=$?
         cat said
         [ $code != 0 ] && [ $code != 124 ]
