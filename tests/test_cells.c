@@ -1545,7 +1545,7 @@ static void test_periodics(void)
     unsigned axes;
     int dim, i, w;
     test_crowded();
-    test_slab(3, TEST_SIZE(1000), 100, 0);
+    test_slab(3, TEST_SIZE(500), 100, 0);
     test_slab(3, 300, 1000, 1);
     test_slab(3, 60, 10000, 0);
     test_slab(2, TEST_SIZE(1000), 1000, 0);
@@ -1560,7 +1560,7 @@ static void test_periodics(void)
         }
         test_periodic(dim, TEST_SIZE(2000), INPUT_CLUSTERS, INPUT_WEIGHTS_ZERO, (1u << dim) - 1);
         test_periodic(dim, TEST_SIZE(2000), INPUT_CLUSTERS, INPUT_WEIGHTS_HIDING, 1);
-        test_periodic(dim, TEST_SIZE(1000), INPUT_LINES, INPUT_WEIGHTS_ZERO, (1u << dim) - 1);
+        test_periodic(dim, TEST_SIZE(500), INPUT_LINES, INPUT_WEIGHTS_ZERO, (1u << dim) - 1);
         test_periodic(dim, 512, INPUT_LATTICE, INPUT_WEIGHTS_ZERO, (1u << dim) - 1);
         test_periodic(dim, TEST_SIZE(1000), INPUT_SPHERE, INPUT_WEIGHTS_ZERO, (1u << dim) - 1);
         test_moved(dim, INPUT_UNIFORM, 300);
@@ -1714,7 +1714,7 @@ static pbw_status compute(const sites *s, const pbw_mesh *mesh, const pbw_option
 static void test_threads(int dim, int kind, int weights)
 {
     if (test_begin("threads: %dD %s, weights %s", dim, input_name(kind), input_weights_name(weights))) {
-        sites s = sites_make(kind, dim, TEST_SIZE(20000), weights);
+        sites s = sites_make(kind, dim, TEST_SIZE(10000), weights);
         static const int counts[3] = { 1, 4, 8 };
         pbw_mesh mesh;
         pbw_cells cells[3];

@@ -452,7 +452,7 @@ static void run_backwards(void *user, int tasks, void (*task)(void *arg, int i),
 static void test_threads(void)
 {
     static const int kinds[] = { INPUT_UNIFORM, INPUT_LATTICE, INPUT_CLUSTERS };
-    enum { N = 2000, QUERIES = 5000 };
+    enum { N = 2000, QUERIES = 2000 };
     double *points = (double *)malloc(3 * N * sizeof *points);
     double *queries = (double *)malloc(3 * QUERIES * sizeof *queries);
     double *turned = (double *)malloc(3 * QUERIES * sizeof *queries);

@@ -248,7 +248,7 @@ static void close_all(void)
 {
     static const double sheet[2][2] = { { 0, 0 }, { 1, 0 } };
     static const double small[4][2] = { { 0, 0 }, { 1, 0 }, { 1, 2 }, { .2, 2 } };
-    static const double large[4][2] = { { 6, 0 }, { 5, 0 }, { 5, 2 }, { 5.3, 2 } };
+    static const double large[4][2] = { { 3, 0 }, { 2, 0 }, { 2, 2 }, { 2.3, 2 } };
     static shape s;
     static pbw_index all[2 * (SIDE + 1) * 2 * SIDE];
     pbw_wrap_options how;
@@ -265,9 +265,8 @@ static void close_all(void)
     add_turned(&s, small, 4);                        /* a pot that alphas above 0.2 close, in a gutter: above 0.6 */
     add_turned(&s, large, 4);
     how.alpha = 0.15;
-    CHECK_EQUAL(report_of(&s, &how).shell, 1);
     r = report_of(&s, &how);
-    CHECK(r.closing > 0.5 && r.closing < 2);
+    CHECK(r.shell && r.closing > 0.5 && r.closing < 2);
     memset(&s, 0, sizeof s);
     add_sphere(&s, 1, 0.8);
     for (i = 0; i < s.points; i++) {
