@@ -55,6 +55,8 @@ printf '#include "pbw.h"\nint main() { return pbw_version() != PBW_VERSION || *p
     > "$work/caller.c"
 printf 'int main(int n, char **v) { return 1 / (v[0][0] + 0.5 * n) == 0; }\n' > "$work/double.c"
 cat > "$work/mode.c" << 'END'
+#define PBW_STATIC
+#define PBW_NO_SIMD
 #define PBW_IMPLEMENTATION
 #include "pbw.h"
 int main(void)
@@ -172,7 +174,7 @@ for compiler in $compilers; do
 done
 
 # Copies and callers.
-check "a PBW_STATIC copy compiles" $CC -O0 -I. -DCOPY=f -c "$work/static.c" -o "$work/f.o"
+check "a PBW_STATIC copy compiles" $CC -O1 -I. -DCOPY=f -c "$work/static.c" -o "$work/f.o"
 check "it links to one program with the library" $CC -I. "$work/copies.c" "$work/f.o" "$library" -o "$work/copies" -lpthread
 check "both work" "$work/copies"
 case $(uname -m) in
@@ -412,7 +414,7 @@ for other in "$CC -m32 -msse2 -mfpmath=sse" aarch64-linux-gnu-gcc arm-linux-gnue
         kind=-fsyntax-only level=-O1
         case $other in
         *m32*) kind=-c ;;
-        *mingw32*) kind=-c level=-O0 ;;
+        *mingw32*) kind=-c ;;
         esac
         check "$other: no warning" $other -std=c99 $level $warn -I. $kind "$work/whole.c" \
             -o "$work/$(basename "${other%% *}").o"
