@@ -23,7 +23,7 @@ program() {     # program NAME COMPILER FLAGS... FILE: in the background
     shift
     "$@" -std=c99 -I. -o "$work/$name" -lpthread -lm &
 }
-hashes() { [ -s "$work/$1.txt" ] && diff "$work/here.txt" "$work/$1.txt"; }
+hashes() { [ -s "$work/$1.txt" ] && awk -v n=$2 'NR % n == 1 || n == 1' "$work/here.txt" | diff - "$work/$1.txt"; }
 signs() { tail -n 1 "$work/signs.txt" | grep ' passed, 0 failed, '; }
 instructions() {    # instructions OBJECT FUNCTION PATTERN: how many there are, of all functions if there is no name
     $cross-objdump -d --no-show-raw-insn "$1" 2> /dev/null |
@@ -40,15 +40,15 @@ cp examples/install/library.c "$work/whole.c"
 $cross-gcc -O2 -c "$work/net.c" -o "$work/net.o" &
 whole() { $cross-gcc "$@" -ffp-contract=fast -I. -Iexamples/lib -DPBW__FMA=0 -c "$work/whole.c" & }
 whole -O3 -o "$work/O3.o"
-whole -O2 -DPBW_NO_SIMD -o "$work/scalar.o"
+whole -O1 -DPBW_NO_SIMD -o "$work/scalar.o"
 wait
 "$work/here" > "$work/here.txt" &
 $emulator "$work/vectors" > "$work/vectors.txt" &
-$emulator "$work/scalar" > "$work/scalar.txt" &
+$emulator "$work/scalar" 4 > "$work/scalar.txt" &      # a program with vectors runs this code, too, where they doubt
 $emulator "$work/signs" --count 100 > "$work/signs.txt" &
 wait
-check "the same arrays, with vectors" hashes vectors
-check "the same arrays, without" hashes scalar
+check "the same arrays, with vectors" hashes vectors 1
+check "the same arrays, without, of every fourth input" hashes scalar 4
 check "signs" signs
 
 # The kernels are there, and multiply and add four numbers at once.
