@@ -8,7 +8,7 @@ sanitize = sanitize CC=clang DEBUG= COUNT=300 COUNT_test_clip=150 COUNT_test_fil
 clang = test CC=clang CXX=clang++ SCRIPTS=examples TESTS='test_answer test_digits test_live test_live_local \
     test_predicates test_query test_threads'
 arm = arm CC=gcc
-tsan = tsan CC=gcc COMPANIONS= TESTS='test_threads test_live_local' COUNT_test_threads=150 COUNT_test_live_local=4
+tsan = tsan CC=gcc TESTS='test_threads test_live_local' COUNT_test_threads=150 COUNT_test_live_local=4
 # Scripts test a program or take several compilers themselves, so they run with gcc only.  With clang at full speed run
 # the tests of signs, threads, live triangulations and queries; all others run with gcc and, compiled by clang, under
 # sanitizers.  That clang at its highest level makes of companion headers what gcc makes, hashes.sh compares.

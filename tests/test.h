@@ -41,6 +41,18 @@
 #endif
 #endif
 
+/* Whether that is the one of threads. */
+#if defined(__SANITIZE_THREAD__)
+#define TEST_WATCHES_THREADS 1
+#elif defined(__has_feature)
+#if __has_feature(thread_sanitizer)
+#define TEST_WATCHES_THREADS 1
+#endif
+#endif
+#ifndef TEST_WATCHES_THREADS
+#define TEST_WATCHES_THREADS 0
+#endif
+
 /* The size of a large input: a quarter under a sanitizer, which makes each point ten times as slow. */
 #if defined(TEST_SANITIZED)
 #define TEST_SIZE(n) ((n) / 4)
