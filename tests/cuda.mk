@@ -39,9 +39,9 @@ $B/cuda_cells: tests/cuda_cells.c $(HEADERS) $B/cuda_few.o
 	$(CUDA_C) -c $< -o $@.o
 	$(NVCC) $(CUDA_FLAGS) $@.o $B/cuda_few.o -o $@ -lpthread -lm
 
-$B/cuda_cells_bench: bench/cuda_cells_bench.c $(HEADERS) $B/cuda.o $B/libpbw.a
+$B/cuda_cells_bench: bench/cuda_cells_bench.c $(HEADERS) $B/cuda.o $B/libpbw.a $B/companions.a
 	$(CUDA_C) -c $< -o $@.o
-	$(NVCC) $(CUDA_FLAGS) $@.o $B/cuda.o $B/libpbw.a -o $@ -lpthread -lm
+	$(NVCC) $(CUDA_FLAGS) $@.o $B/cuda.o $B/companions.a $B/libpbw.a -o $@ -lpthread -lm
 
 $B/cuda_inline: tests/cuda_inline.cu tests/test.h
 	@mkdir -p $B
