@@ -9460,7 +9460,7 @@ static pbw_status pbw__job_keep(pbw_job *job)
     job->kept_points = dispatch->mesh->points;
     job->kept_weights = dispatch->mesh->weights;
     if (status == PBW_OK && job->simplices == NULL && dispatch->context->memory.resize == pbw__default_resize) {
-        (void)pbw__job_reserve(job, job->dim == 3 ? job->count / 4 * 27 : job->count * 2);
+        (void)pbw__job_reserve(job, job->dim == 3 ? job->count / 5 * 34 : job->count * 2);
     }
     return status;
 }

@@ -61,6 +61,11 @@
    CELLS.  The bytes are those of pbw_cells.h, as each sum has the same terms in the same order.  Cells that the box
    does not cut are sums over simplices (>>centres); each of the others is cut by a warp (>>polytopes, >>diagram).
 
+   HOST MEMORY.  Pinned memory, as of cudaMallocHost, is copied at the speed of the link.  Other memory goes through
+   16 pinned pieces of 1 MB for each device, which threads of the host fill and empty (>>staging).  New pages cost
+   more than that: the host commits those of the results while the device works.  options.resize may hand out pinned
+   blocks, but should keep them: to pin 100 MB takes 50 ms.
+
    MEMORY.  Device memory comes from the pool of the current device, at most options.memory_limit bytes of it.  If
    that is too little, which is known before the stars and before the output, the message says the bytes needed and
    available, and under PBW_BACKEND_OR_CPU the CPU takes over.
@@ -68,6 +73,7 @@
    CONTENTS
      >>device    types, tiles of lanes
      >>call      what one call holds: status, memory, streams, launches, the cards of a job
+     >>staging   copies to and from memory of the host that is not pinned
      >>curve     points in the order of the Hilbert curve, duplicates set aside
      >>tree      groups of 8 points, boxes of 32 boxes
      >>sphere    the float form of a conflict test and its bound; the exact test
@@ -128,6 +134,7 @@ namespace {
 #endif
 int pbw_cuda_by_host = 0;                            /* copies between devices go by way of the host */
 int pbw_cuda_patient = 0;                            /* no input is declined after a sample */
+size_t pbw_cuda_piece = (size_t)1 << 20;             /* bytes of a piece of pinned memory */
 long pbw_cuda_fail_at = 0;                           /* counts down: the allocation of device memory that fails */
 }
 
@@ -341,7 +348,7 @@ __host__ __device__ inline double unordered(unsigned long long bits)
    ------------------------------------------------------------------------------------------------------ */
 /* Bytes of device memory at the peak, for uniform points, in 2D and 3D: of each point, and of each star of a part. */
 const double bytes_a_point[2] = { 75.0, 90.0 }, bytes_a_star[2] = { 155.0, 560.0 };
-const int most_cards = 16;
+const int most_cards = 16, mesh_arrays = 4;
 const char *const few_points = "so few points are quicker on the CPU";
 const char *const no_host_memory = "out of memory on the host";
 const char *const too_many = "too many simplices for the index type";
@@ -375,6 +382,13 @@ struct call_resources {
 };
 const size_t pinned_bytes = 512;
 
+struct host_copy {                                   /* between the device and the memory of the host */
+    char *to;
+    const char *from;
+    size_t bytes;
+    cudaEvent_t after;                               /* it begins after that */
+};
+
 /* What a loop keeps from step to step. */
 struct loop_state {
     pbw_cuda_mesh mesh;
@@ -397,6 +411,8 @@ struct call : call_resources {
     bool declined, no_cpu;                           /* no_cpu: the call may not leave it to the CPU */
     struct { void *address; size_t bytes; } block[40 + 3 * most_cards];
     int blocks;
+    host_copy later[mesh_arrays];                    /* results to copy when all kernels are on their way */
+    int laters;
 };
 
 /* Reports the first failure of any card; then all stop.  text: the message, or NULL. */
@@ -711,8 +727,6 @@ int processors_of(call &c, int device)
     return processors;
 }
 
-const int mesh_arrays = 4;
-
 pbw_index *&array_of(pbw_cuda_mesh &mesh, int i)
 {
     return i == 0 ? mesh.simplices : i == 1 ? mesh.neighbors : i == 2 ? mesh.incident : mesh.canonical;
@@ -729,6 +743,163 @@ void release_mesh(call &c, pbw_cuda_mesh mesh, bool keep)
     for (int i = 0; i < mesh_arrays; i++) {
         release(c, array_of(mesh, i), keep);
     }
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   >>staging      Copies to and from memory of the host that is not pinned.
+   In: arrays on the device or in such memory.  Out: the same bytes on the other side.
+   Holds: the pinned pieces of a device belong to one call at a time, and last as long as the process.
+
+   The driver copies such memory by one thread: the results of a million points in space take as long as their stars.
+   Here several threads of the host do, each with two pinned pieces: the copy engine moves one while the thread copies
+   the other.  Results are copied when the device has all its work, and finds neighbours while simplices are copied.
+   One thread is left to the driver, which is quicker then.
+   ------------------------------------------------------------------------------------------------------ */
+const int most_stagers = 8;                          /* threads: 216 MB take 9.0 ms by 4, 6.6 by 8, 5.9 by 16 */
+
+struct staging {
+    std::mutex busy;
+    char *pinned;                                    /* two pieces for each thread; NULL before the first use */
+    cudaStream_t stream[2 * most_stagers];           /* of each piece */
+};
+
+/* Returns the pieces of a device, which the caller then has until it unlocks them; NULL if another has them. */
+staging *take_staging(int device)
+{
+    static staging all[most_cards];
+    staging *const s = device < most_cards && all[device].busy.try_lock() ? &all[device] : NULL;
+    const size_t bytes = 2 * most_stagers * pbw_cuda_piece;
+    bool good = s != NULL && (s->pinned != NULL || cudaMallocHost(&s->pinned, bytes) == cudaSuccess);
+    for (int i = 0; good && i < 2 * most_stagers; i++) {
+        good = s->stream[i] != NULL
+            || cudaStreamCreateWithFlags(&s->stream[i], cudaStreamNonBlocking) == cudaSuccess;
+    }
+    if (s != NULL && !good) {
+        (void)cudaGetLastError();
+        s->busy.unlock();
+    }
+    return good ? s : NULL;
+}
+
+/* Copies between a device and the host: those to do, and what the threads that do them share. */
+struct staged_copies {
+    const host_copy *copies;
+    int count, device;
+    bool to_host;
+    staging *area = NULL;
+    std::atomic<size_t> next{ 0 };                   /* the first piece that no thread has taken */
+    std::atomic<bool> ends{ false };                 /* after an error, or when the caller wants it */
+    std::atomic<int> error{ cudaSuccess };
+};
+
+size_t pieces_of(const host_copy &c)
+{
+    return (c.bytes + pbw_cuda_piece - 1) / pbw_cuda_piece;
+}
+
+/* Returns a piece of a copy, or one without bytes if all are taken. */
+host_copy take_piece(staged_copies &s)
+{
+    size_t piece = s.next++;
+    for (int i = 0; i < s.count && !s.ends; piece -= pieces_of(s.copies[i]), i++) {
+        const host_copy &c = s.copies[i];
+        if (piece < pieces_of(c)) {
+            const size_t at = piece * pbw_cuda_piece;
+            return { c.to + at, c.from + at, std::min(pbw_cuda_piece, c.bytes - at), c.after };
+        }
+    }
+    return {};
+}
+
+/* Sends a piece on its way, to or from pinned memory. */
+cudaError_t send_piece(const host_copy &c, char *pinned, bool to_host, cudaStream_t stream)
+{
+    const cudaError_t error = c.after != NULL ? cudaStreamWaitEvent(stream, c.after, 0) : cudaSuccess;
+    if (error != cudaSuccess) {
+        return error;
+    }
+    if (to_host) {
+        return cudaMemcpyAsync(pinned, c.from, c.bytes, cudaMemcpyDeviceToHost, stream);
+    }
+    memcpy(pinned, c.from, c.bytes);
+    return cudaMemcpyAsync(c.to, pinned, c.bytes, cudaMemcpyHostToDevice, stream);
+}
+
+/* What one of the threads does.  Calls poll between pieces; that returns whether to go on. */
+template <typename F> void copy_pieces(staged_copies &s, int thread, F poll)
+{
+    host_copy sent[2] = {};
+    cudaError_t error = cudaSetDevice(s.device);
+    for (int i = 0, idle = 0; idle < 2; i = 1 - i) {
+        char *const pinned = s.area->pinned + (size_t)(2 * thread + i) * pbw_cuda_piece;
+        const cudaStream_t stream = s.area->stream[2 * thread + i];
+        const cudaError_t arrived = cudaStreamSynchronize(stream);
+        error = error == cudaSuccess ? arrived : error;
+        if (s.to_host && sent[i].bytes > 0 && error == cudaSuccess) {
+            memcpy(sent[i].to, pinned, sent[i].bytes);
+        }
+        sent[i] = error == cudaSuccess && poll() ? take_piece(s) : host_copy();
+        if (sent[i].bytes > 0) {
+            error = send_piece(sent[i], pinned, s.to_host, stream);
+        }
+        idle = sent[i].bytes > 0 ? 0 : idle + 1;
+    }
+    if (error != cudaSuccess) {
+        s.error = error;
+        s.ends = true;
+    }
+}
+
+/* Copies by at most `threads` threads, the caller's among them, which calls poll meanwhile.  Returns false, and has
+   done nothing, if there are few bytes or one thread, or another call has the pieces. */
+template <typename F> bool copy_staged(staged_copies &s, int threads, F poll)
+{
+    size_t bytes = 0;
+    for (int i = 0; i < s.count; i++) {
+        bytes += s.copies[i].bytes;
+    }
+    threads = (int)std::min((size_t)std::min(threads, most_stagers), bytes / pbw_cuda_piece);
+    s.area = threads > 1 ? take_staging(s.device) : NULL;
+    if (s.area == NULL) {
+        return false;
+    }
+    std::thread helper[most_stagers];
+    try {
+        for (int i = 1; i < threads; i++) {
+            helper[i] = std::thread([&s, i] { copy_pieces(s, i, [] { return true; }); });
+        }
+    } catch (...) {                                  /* those that have started copy all */
+    }
+    copy_pieces(s, 0, [&] {
+        const bool goes_on = poll();
+        s.ends = s.ends || !goes_on;
+        return goes_on;
+    });
+    for (std::thread &other : helper) {
+        if (other.joinable()) {
+            other.join();
+        }
+    }
+    s.area->busy.unlock();
+    return true;
+}
+
+bool is_pinned(const void *host)
+{
+    cudaPointerAttributes a = {};
+    return cudaPointerGetAttributes(&a, host) == cudaSuccess && a.type != cudaMemoryTypeUnregistered;
+}
+
+/* The same for a call. */
+bool copy_staged(call &c, const host_copy *copies, int count, bool to_host, pbw_stage stage)
+{
+    staged_copies s = { copies, count, c.team->offers[c.card].device, to_host };
+    const bool staged = copy_staged(s, pbw__thread_count(c.job->threads, c.count) / c.team->count, [&] {
+        poll(c, stage, to_host ? 0.4 : 0.0);
+        return c.status == PBW_OK;
+    });
+    need(c, (cudaError_t)s.error.load(), "copying");
+    return staged;
 }
 
 /* ------------------------------------------------------------------------------------------------------
@@ -4185,16 +4356,44 @@ __global__ void scatter_kernel(const uint32_t *id, uint32_t count, const uint32_
     }
 }
 
-/* Copies results in parts, since memory that is not pinned makes the host wait for each. */
-void copy_out(call &c, void *to, const void *from, size_t bytes, double done)
+/* Copies results by the stream of copies, in parts, since memory that is not pinned makes the host wait for each. */
+void copy_by_driver(call &c, const host_copy &copy)
 {
     const size_t most = (size_t)1 << 25;
-    copies_follow(c);
-    for (size_t at = 0; at < bytes; at += most) {
-        need(c, cudaMemcpyAsync((char *)to + at, (const char *)from + at, bytes - at < most ? bytes - at : most,
-                                cudaMemcpyDeviceToHost, c.copies), "copying results");
-        poll(c, PBW_STAGE_OUTPUT, done);
+    need(c, cudaStreamWaitEvent(c.copies, copy.after, 0), "cudaStreamWaitEvent");
+    for (size_t at = 0; at < copy.bytes; at += most) {
+        need(c, cudaMemcpyAsync(copy.to + at, copy.from + at, std::min(most, copy.bytes - at), cudaMemcpyDeviceToHost,
+                                c.copies), "copying results");
+        poll(c, PBW_STAGE_OUTPUT, 0.4);
         throw_if_failed(c);
+    }
+}
+
+/* Copies results to the host: at once to pinned memory, else by copy_later.  after: recorded when they are there, or
+   NULL: when all work so far is done. */
+void copy_out(call &c, void *to, const void *from, size_t bytes, cudaEvent_t after)
+{
+    host_copy copy = { (char *)to, (const char *)from, bytes, after };
+    if (!is_pinned(to)) {
+        c.later[c.laters++] = copy;
+        return;
+    }
+    need(c, cudaEventRecord(c.ready[1], c.stream), "cudaEventRecord");
+    copy.after = after != NULL ? after : c.ready[1];
+    copy_by_driver(c, copy);
+}
+
+/* Copies what waits, when the device has all its work. */
+void copy_later(call &c)
+{
+    need(c, cudaEventRecord(c.ready[1], c.stream), "cudaEventRecord");
+    for (int i = 0; i < c.laters; i++) {
+        c.later[i].after = c.later[i].after != NULL ? c.later[i].after : c.ready[1];
+    }
+    if (!copy_staged(c, c.later, c.laters, true, PBW_STAGE_OUTPUT)) {
+        for (int i = 0; i < c.laters; i++) {
+            copy_by_driver(c, c.later[i]);
+        }
     }
 }
 
@@ -4306,7 +4505,8 @@ template <int DIM> void emit_simplices(call &c, const star_build &w, const outpu
         fetch_halo<DIM>(c, all);
     }
     if (o.to_host) {
-        copy_out(c, c.job->simplices + o.before * (DIM + 1), mesh->simplices, links * sizeof(pbw_index), 0.1);
+        copy_out(c, c.job->simplices + o.before * (DIM + 1), mesh->simplices, links * sizeof(pbw_index),
+                 c.mark[6]);
     }
 }
 
@@ -4332,7 +4532,7 @@ template <int DIM> void find_neighbors(call &c, const star_build &w, const outpu
     }
     if (o.to_host && o.with_neighbors) {
         copy_out(c, c.job->neighbors + o.before * (DIM + 1), c.mesh->neighbors,
-                 (size_t)o.total * (DIM + 1) * sizeof(pbw_index), 0.4);
+                 (size_t)o.total * (DIM + 1) * sizeof(pbw_index), NULL);
     }
 }
 
@@ -4353,10 +4553,10 @@ void copy_points(call &c, const output &o)
                some.at, incident);
     }
     if (o.to_host && c.card == 0) {
-        copy_out(c, c.job->incident, incident, bytes, 0.4);
+        copy_out(c, c.job->incident, incident, bytes, NULL);
     }
     if (o.to_host && c.card + 1 == c.team->count) {
-        copy_out(c, c.job->canonical, c.mesh->canonical, bytes, 0.4);
+        copy_out(c, c.job->canonical, c.mesh->canonical, bytes, NULL);
     }
 }
 
@@ -4372,6 +4572,7 @@ template <int DIM, bool WEIGHTED> void build(call &c, const space &s, const uint
     emit_simplices<DIM>(c, w, o, all);
     find_neighbors<DIM>(c, w, o, all);
     copy_points(c, o);
+    copy_later(c);
     c.mesh->hidden_count = read_back(c, w.next, PBW_STAGE_OUTPUT, 0.5);
 }
 
@@ -6717,11 +6918,22 @@ input upload(call &c)
     const bool packed = is_packed(job);
     const void *from[2] = { packed ? job->points : job->kept_points, packed ? job->weights : job->kept_weights };
     input in = { NULL, NULL, job->count, job->dim, packed && job->is_float };
-    for (int part = 0; part < 2 && from[part] != NULL; part++) {
-        const size_t bytes = job->count * number_size(in.is_float) * (part == 0 ? (size_t)job->dim : 1);
+    host_copy copies[2];
+    bool pinned = false;
+    int count = 0;
+    for (; count < 2 && from[count] != NULL; count++) {
+        const size_t bytes = job->count * number_size(in.is_float) * (count == 0 ? (size_t)job->dim : 1);
         char *const on_device = allocate<char>(c, bytes);
-        need(c, cudaMemcpyAsync(on_device, from[part], bytes, cudaMemcpyHostToDevice, c.stream), "copying points");
-        (part == 0 ? in.points : in.weights) = on_device;
+        copies[count] = { on_device, (const char *)from[count], bytes, c.ready[1] };
+        (count == 0 ? in.points : in.weights) = on_device;
+        pinned = pinned || is_pinned(from[count]);
+    }
+    need(c, cudaEventRecord(c.ready[1], c.stream), "cudaEventRecord");
+    if (pinned || !copy_staged(c, copies, count, false, PBW_STAGE_ORDER)) {
+        for (int i = 0; i < count; i++) {
+            need(c, cudaMemcpyAsync(copies[i].to, copies[i].from, copies[i].bytes, cudaMemcpyHostToDevice, c.stream),
+                 "copying points");
+        }
     }
     return in;
 }
@@ -7880,16 +8092,38 @@ template <typename V> bool copy_to(V *&to, const V *from, size_t count, cudaStre
         && cudaMemcpyAsync(to, from, count * sizeof(V), cudaMemcpyDefault, stream) == cudaSuccess;
 }
 
-/* Copies points to a card, from the host or from another card. */
+/* Copies between a card and the host, or another card; all is there when it returns. */
+cudaError_t copy_now(const card_cells &card, const host_copy *copies, int count, bool to_host)
+{
+    const int threads = pbw__thread_count(card.options.threads, card.points.count);
+    staged_copies s = { copies, count, card.device, to_host };
+    cudaError_t error = cudaStreamSynchronize(card.stream);
+    if (error == cudaSuccess && !is_pinned(to_host ? copies->to : copies->from)
+        && copy_staged(s, threads, [] { return true; })) {
+        return (cudaError_t)s.error.load();
+    }
+    for (int i = 0; i < count && error == cudaSuccess; i++) {
+        error = cudaMemcpyAsync(copies[i].to, copies[i].from, copies[i].bytes, cudaMemcpyDefault, card.stream);
+    }
+    const cudaError_t arrived = cudaStreamSynchronize(card.stream);  /* copies may be under way after an error */
+    return error != cudaSuccess ? error : arrived;
+}
+
+/* Copies points to a card. */
 bool send_points(card_cells &card, const pbw_cuda_points &from)
 {
-    double *points = NULL, *weights = NULL;
-    bool good = copy_to(points, (const double *)from.points, from.count * (size_t)from.dim, card.stream);
-    if (good && from.weights != NULL) {
-        good = copy_to(weights, (const double *)from.weights, from.count, card.stream);
+    const void *const source[2] = { from.points, from.weights };
+    const int count = from.weights != NULL ? 2 : 1;
+    void *there[2] = {};
+    host_copy copies[2];
+    cudaError_t error = cudaSuccess;
+    for (int i = 0; i < count && error == cudaSuccess; i++) {
+        const size_t bytes = from.count * sizeof(double) * (i == 0 ? (size_t)from.dim : 1);
+        error = cudaMallocAsync(&there[i], bytes + 1, card.stream);
+        copies[i] = { (char *)there[i], (const char *)source[i], bytes, NULL };
     }
-    card.points = { from.dim, 0, points, weights, from.count, 0 };
-    return good;
+    card.points = { from.dim, 0, there[0], there[1], from.count, 0 };
+    return error == cudaSuccess && copy_now(card, copies, count, false) == cudaSuccess;
 }
 
 /* Copies points and their mesh from another card, where they are complete. */
@@ -7955,10 +8189,12 @@ pbw_status fetch_cells(const card_cells &card, const pbw_cuda_cells &cells)
     const size_t firsts = count + (card.made.cell_count == cells.cell_count);        /* the last card has the end */
     const size_t before = card.facets_before, facets = card.made.facet_count;
     const pbw_cuda_cells &made = card.made;
-    bool good = true;
+    host_copy copies[7] = {};
+    int some = 0;
     auto copy = [&](void *to, const void *source, size_t at, size_t skipped, size_t bytes) {
-        good = good && (source == NULL || cudaMemcpyAsync((char *)to + at, (const char *)source + skipped, bytes,
-                                                          cudaMemcpyDeviceToHost, card.stream) == cudaSuccess);
+        if (source != NULL) {
+            copies[some++] = { (char *)to + at, (const char *)source + skipped, bytes, NULL };
+        }
     };
     const size_t place = from * sizeof(double);
     copy(cells.volumes, made.volumes, place, place, count * sizeof(double));
@@ -7968,7 +8204,7 @@ pbw_status fetch_cells(const card_cells &card, const pbw_cuda_cells &cells)
     copy(cells.neighbors, made.neighbors, before * sizeof(pbw_index), 0, facets * sizeof(pbw_index));
     copy(cells.sites, made.sites, 0, 0, count * dim * sizeof(double));
     copy(cells.shifts, made.shifts, 0, 0, facets * dim);
-    good = cudaStreamSynchronize(card.stream) == cudaSuccess && good;    /* copies may be under way after an error */
+    const bool good = copy_now(card, copies, some, true) == cudaSuccess;
     for (size_t i = from; good && before > 0 && i < from + firsts; i++) {
         cells.first[i] += before;
     }

@@ -29,7 +29,8 @@ $B/cuda_few.o: pbw_cuda.cu pbw.h examples/lib/pbw_check.h
 
 $B/cuda_test: tests/cuda_test.c $(HEADERS) $B/cuda_few.o
 	$(CUDA_C) -c $< -o $@.o
-	$(NVCC) $(CUDA_FLAGS) -Xlinker --wrap=cudaMallocFromPoolAsync $@.o $B/cuda_few.o -o $@ -lpthread -lm
+	$(NVCC) $(CUDA_FLAGS) -Xlinker --wrap=cudaMallocFromPoolAsync -Xlinker --wrap=cudaHostAlloc $@.o $B/cuda_few.o \
+	    -o $@ -lpthread -lm
 
 $B/cuda_bench: bench/cuda_bench.c $(HEADERS) $B/cuda.o $B/libpbw.a
 	$(CUDA_C) -c $< -o $@.o

@@ -13,6 +13,7 @@
 
 extern int pbw_cuda_patient;                    /* of a pbw_cuda.cu compiled for tests */
 extern long pbw_cuda_fail_at;
+extern size_t pbw_cuda_piece;
 
 static void *to_device(const void *from, size_t bytes)
 {
@@ -639,6 +640,7 @@ int main(int argc, char **argv)
         return 0;
     }
     pbw_cuda_patient = 1;
+    pbw_cuda_piece = 4096;                      /* few points have many pieces */
     test_few();
     test_failures();
     test_loop(count);

@@ -14,11 +14,22 @@
 
 extern int pbw_cuda_by_host, pbw_cuda_patient;  /* of a pbw_cuda.cu compiled for tests */
 extern long pbw_cuda_fail_at;
+extern size_t pbw_cuda_piece;
 
 static long by_gpu, by_cpu;                     /* builds of PBW_OK, by who made them */
 static int leaves_memory;                       /* CUDA_TEST_LEAVE, for initcheck: device memory is not filled */
 static size_t fewer = 1;                        /* CUDA_TEST_FEWER, for racecheck: divides the points of large tests, and
                                                    the builds of tests that try one limit after another */
+
+cudaError_t __real_cudaHostAlloc(void **block, size_t bytes, unsigned flags);
+cudaError_t __wrap_cudaHostAlloc(void **block, size_t bytes, unsigned flags);
+
+/* With no_pinned there is no pinned memory. */
+static int no_pinned;
+cudaError_t __wrap_cudaHostAlloc(void **block, size_t bytes, unsigned flags)
+{
+    return no_pinned ? cudaErrorMemoryAllocation : __real_cudaHostAlloc(block, bytes, flags);
+}
 
 cudaError_t __real_cudaMallocFromPoolAsync(void **block, size_t bytes, cudaMemPool_t pool, cudaStream_t stream);
 cudaError_t __wrap_cudaMallocFromPoolAsync(void **block, size_t bytes, cudaMemPool_t pool, cudaStream_t stream);
@@ -157,6 +168,20 @@ static void compare(int dim, const double *points, const double *weights, size_t
         pbw_free(&gpu);
     }
     pbw_free(&cpu);
+}
+
+/* Without pinned memory, which is not pinned before: the driver copies. */
+static void test_no_pinned(void)
+{
+    double points[3 * 2000];
+    if (test_begin("no pinned memory")) {
+        input_fill(INPUT_UNIFORM, 3, 2000, (uint64_t)test_seed, points);
+        no_pinned = 1;
+        compare(3, points, NULL, 2000, 0);
+        no_pinned = 0;
+        compare(3, points, NULL, 2000, 0);
+        test_end();
+    }
 }
 
 static void test_zoo(void)
@@ -1483,6 +1508,8 @@ int main(int argc, char **argv)
     }
     pbw_free(&mesh);
     pbw_cuda_patient = 1;                       /* every input reaches every rung */
+    pbw_cuda_piece = 4096;                      /* few points have many pieces */
+    test_no_pinned();
     test_zoo();
     test_random();
     test_kinds(20000 / fewer);
