@@ -2462,7 +2462,7 @@ template <int T, typename S> DEVICE bool may_conflict(const S &s, bool go, int c
    In: the vertices of a part, the lists.  Out: certified stars in the store; the other vertices in q[0].
 
    1. Points within the start radius are collected and sorted by distance.
-   2. The nearest make the first corner, and the others are inserted.  All but the first 16 are tested against all
+   2. The nearest make the first corner, and the others are inserted.  All but the first 8 are tested against all
       spheres first: stars only shrink, so a point in conflict with nothing now will never be.
    3. The list is read again for points outside the start radius and within the bounds of the spheres.  Both passes
       calculate the distance alike, so no point occurs in both.
@@ -2595,8 +2595,7 @@ template <typename S> DEVICE void next_candidates(near_state<S> &n)
             n.stored -= n.walking ? take : 0;
         }
         n.candidate = candidate_at<S>(n.at, n.own, next);
-        bool screened = n.walking || n.cursor >= 2 * T;
-        bool may = may_conflict<T>(n.s, feed && screened, n.count, n.candidate.p) || !screened;
+        const bool may = may_conflict<T>(n.s, feed, n.count, n.candidate.p);
         unsigned vote = tile_ballot<T>(feed && next != none && may);
         n.pending = feed ? vote : n.pending;
         n.cursor += feed && !n.walking ? T : 0;
@@ -2734,15 +2733,15 @@ template <typename S> DEVICE void start_near(near_state<S> &n)
     n.reach = { { 0.0f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.0f } };
 }
 
-template <int DIM, bool WEIGHTED, bool EXACT>        /* the number of blocks is what registers allow */
-__global__ void __launch_bounds__(near_block, EXACT ? 4 : DIM == 2 ? 8 : 6)
+template <int DIM, bool WEIGHTED, bool EXACT>        /* registers and shared memory bound the blocks */
+__global__ void __launch_bounds__(near_block, EXACT ? 4 : DIM == 2 ? 8 : WEIGHTED ? 6 : 7)
 near_kernel(const __grid_constant__ near_launch a)
 {
     typedef near_star<DIM, WEIGHTED, rung_real<EXACT> > star_type;
     extern __shared__ float4 shared_words[];
     const int T = near_lanes;
     near_state<star_type> n = { ((star_type *)shared_words)[threadIdx.x / T], a };
-    const uint32_t tile = (blockIdx.x * near_block + threadIdx.x) / T;
+    const uint32_t tile = (uint32_t)thread_number() / T;
     const bool valid = tile < a.total;
     const uint32_t item = valid ? tile : a.total - 1;
     bool open = false, kept = false;
@@ -2816,10 +2815,12 @@ void clear_stars(call &c, const star_build &w)
 template <int DIM, bool WEIGHTED, bool EXACT>
 void launch_near(call &c, const star_build &w, uint32_t first, uint32_t stride, uint32_t total, bool keeps = false)
 {
-    const size_t bytes = sizeof(near_star<DIM, WEIGHTED, rung_real<EXACT> >) * (near_block / near_lanes);
-    static_assert(bytes <= 48 << 10, "the stars of a block fit what every device has of shared memory");
-    shape s = over((size_t)total * near_lanes, near_block);
-    s.bytes = bytes;
+    const size_t bytes = sizeof(near_star<DIM, WEIGHTED, rung_real<EXACT> >);
+    static_assert(bytes * (near_block / near_lanes) <= 48 << 10,
+                  "the stars of a block fit what every device has of shared memory");
+    /* a small launch ends with its slowest block, and a block with its slowest star */
+    shape s = over((size_t)total * near_lanes, total < 1u << 14 ? 32 : near_block);
+    s.bytes = bytes * (s.threads / near_lanes);
     launch(c, "near stars", near_kernel<DIM, WEIGHTED, EXACT>, s, near_launch{ w, first, stride, total, keeps });
 }
 
@@ -2885,7 +2886,7 @@ template <int TRIANGLES, int WARPS, int BLOCKS, bool EXACT, bool SHARED> struct 
     static const bool exact = EXACT, shared = SHARED;
 };
 typedef rung<128, 1, 24, false, true> quick_rung;
-typedef rung<256, 8, 2, true, true> far_rung;
+typedef rung<256, 4, 4, true, true> far_rung;
 typedef rung<2048, 8, 2, true, false> last_rung;
 
 /* What the warps of a block share, stored after their stacks. */
