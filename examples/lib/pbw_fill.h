@@ -16,7 +16,8 @@
    CONTENTS  (search for the marks)
      >>interface    types and functions
      >>work         the work in progress: tetrahedra and their links, progress, a hash table
-     >>grid         points moved to a grid on which points between them are exact
+     >>signs        exact signs for places that are sums of doubles
+     >>vertices     the input's points, and a box around
      >>start        the first triangulation, with a box around
      >>edges        edges of the triangles; which are segments; flat facets
      >>insertion    point location; a point inserted into a Delaunay triangulation
@@ -28,7 +29,7 @@
      >>diagonals    flat facets cut into the input's triangles
      >>spared       added points inside taken off
      >>inside       points inside, for sizes and shapes
-     >>places       points back from the grid to the caller's places
+     >>places       points on edges at doubles
      >>result       the caller's arrays
      >>stages       all of it in order
 
@@ -38,9 +39,8 @@
      pbw_fill_refusal  why a surface is refused, in words
 
    HOW
-   1. Points are moved to a grid of 2^-29 of the surface's box, on which places between two of them are exact doubles:
-      all signs are then those of pbw.h.  Where that is too coarse, the grid has down to 2^-50, or points stay as
-      they are, with fewer such places.  A box around the surface is triangulated with them.
+   1. A box around the surface is triangulated with the points as they are.  Points that are added on edges later are
+      exactly there: where that is at no doubles, coordinates are sums of up to four, and signs are those of the sums.
    2. Edges of the triangles are segments, but for those between coplanar ones.  A segment that is no edge of the
       triangulation gets a point, until all pieces of segments are edges (Si and Gaertner 2005).
    3. Then the constrained Delaunay triangulation exists, and is unique under pbw.h's tie rule (Shewchuk 1998).  Where
@@ -53,25 +53,25 @@
       edges within flat facets are flipped until these consist of the input's triangles.
    6. If sizes or ratios are given, tetrahedra that are too large or too slim get points at the centers of their
       spheres, in rounds; facets stay.
-   7. Points of the input go back from the grid to their places.  Where a tetrahedron turns by that, it and those
-      around are filled again, with a point inside if need be; where that fails, its points stay on the grid.
+   7. Added points that stay and are at no doubles go to some near them.  Where a tetrahedron turns by that, the point
+      is moved a little more, or the tetrahedron and those around are filled again, with a point inside if need be.
    8. With a target, pbw_improve raises the dihedral angles inside, and adds points there (PBW_TETS_FROZEN).
 
    PROMISES  (tests/test_fill.c guards them)
-     exact       all tetrahedra are positive, by exact signs, in the coordinates that come out.  The facets are the
-                 input's triangles, each once, unless report.refusal is PBW_FILL_POINTS_LEFT, or other points of the
-                 input are on triangles: then, and with options.conforming, each triangle, or each flat facet of
-                 coplanar ones, is a union of facets
-     told        the input's triangle of each facet; why and where an input is refused; points that moved.  Near
-                 misses are no reason to refuse
+     exact       points of the input come out as they are, bit for bit, and all tetrahedra are positive, by exact
+                 signs, in the coordinates that come out.  The facets are the input's triangles, each once, unless
+                 report.refusal is PBW_FILL_POINTS_LEFT, or other points of the input are on triangles: then, and
+                 with options.conforming, each triangle, or each flat facet of coplanar ones, is a union of facets
+     told        the input's triangle of each facet; why and where an input is refused.  Near misses are no reason
+                 to refuse
      same        the same bytes for any number of threads
      bounded     no recursion, and no assert on any input
 
    DOES NOT  work on several threads, but for the first triangulation, the search for crossings, for missing segments
              and for facets that are there, the last check, and improvement.
-             Surfaces with details below 2^-29 of the box are refused where edges need points that no doubles have.
-             Points added on an edge are at the double nearest to it, which is on it if its ends are on the grid.  Far
-             from the origin, as seen against the box, tetrahedra may be flat: report.flat_tets.
+             Points that are added on edges and stay, as with options.conforming or on wires, are on them if doubles
+             are; else at the nearest ones, or within 2^-42 of the largest coordinate from these.  Where tetrahedra
+             become flat by that, as in details that are some last places wide, report.flat_tets counts them.
 
    CONFIGURATION MACROS
      PBW_FILL_IMPLEMENTATION  in one source file: compile the implementation there
@@ -138,8 +138,8 @@ enum {                                     /* why an input is refused, with PBW_
     PBW_FILL_CROSSING,                     /* triangles or segments meet elsewhere than in common corners and edges */
     PBW_FILL_FLAT,                         /* a triangle has no area */
     PBW_FILL_OPEN,                         /* a triangle has the outside on both sides */
-    PBW_FILL_TOO_FINE,                     /* an edge needs a point that no doubles have; or magnitudes differ by more
-                                              than doubles hold */
+    PBW_FILL_TOO_FINE,                     /* a coordinate is not 0, but below 2^-169 of the box, and an edge needs a
+                                              point; or magnitudes differ by more than doubles hold */
     PBW_FILL_SEED,                         /* a seed lies on a facet, or two seeds of one region differ in number */
     PBW_FILL_POINTS_LEFT                   /* the status is PBW_OK, but some points stay on edges, without
                                               options.conforming */
@@ -151,10 +151,8 @@ typedef struct pbw_fill_report {
     int refusal;                           /* PBW_FILL_FILLED, or why there is no result */
     size_t fault_count;                    /* of that kind */
     pbw_index faults[PBW_FILL_PLACES][2];  /* the first of them.  CROSSING: triangles, PBW_NONE for a segment; FLAT,
-                                              OPEN, POINTS_LEFT: a triangle; TOO_FINE: the ends of an edge, two
-                                              points, or two triangles that cross on the grid only; SEED: the seed */
-    size_t rounded;                        /* points of the result that are the input's, moved to the grid, by 2^-30
-                                              of the box at most: around their own places no tetrahedra were found */
+                                              OPEN, POINTS_LEFT: a triangle; TOO_FINE: the ends of an edge, or
+                                              twice a point; SEED: the seed */
     size_t doubles;                        /* triangles with the corners of an earlier one, left out */
     size_t collapsed;                      /* triangles with two corners at one place, left out */
     size_t segments, facets;               /* edges that are kept, and flat facets */
@@ -168,7 +166,7 @@ typedef struct pbw_fill_report {
                                               for these where all tetrahedra around have one */
     pbw_improve_report improve;            /* dihedral angles before and after; zeros without improvement */
     pbw_quality inner;                     /* those of tetrahedra without a point of the surface, after */
-    double seconds[10];                    /* of processor time: grid, triangulate, edges, crossings, segments,
+    double seconds[10];                    /* of processor time: vertices, triangulate, edges, crossings, segments,
                                               facets, regions, exact, inside, improve */
 } pbw_fill_report;
 
@@ -215,11 +213,16 @@ PBW_CONTRACTION_OFF                        /* fused operations would give other 
    corners of the box, then points that were added; at[v] is a tetrahedron of v, PBW_NONE for duplicates.
    ------------------------------------------------------------------------------------------------------ */
 enum { PBWFILL__STEPS = 22,                /* places on a segment are multiples of 2^-22 of it */
-       PBWFILL__LEVELS = 5,                /* of the grid */
+       PBWFILL__PLACE = 4,                 /* numbers of a place: coordinates, and the number of its rest; 0 = none */
        PBWFILL__GRAIN = 4096 };            /* items of a range of pbw_for */
 
 typedef PBW_ARRAY(pbw_index) pbwfill__indices;
 typedef PBW_ARRAY(double) pbwfill__doubles;
+
+typedef struct pbwfill__rest {             /* of a place that is no triple of doubles */
+    double part[3][3];                     /* of each coordinate: what is to be added, the largest part first */
+    pbw_index ends[2];                     /* vertices without rests, of an edge that it is on; PBW_NONE: on none */
+} pbwfill__rest;
 
 typedef struct pbwfill__tet {
     pbw_index v[4], n[4];                  /* n[i]: across from v[i] */
@@ -266,10 +269,12 @@ typedef struct pbwfill__work {
     int cancelled, stage;                  /* stage: its number */
     int starved;                           /* memory was short in a function that does not return a status */
     clock_t since;
-    int level, tries;                      /* of the grid, none from LEVELS on; how many levels were in vain */
-    int exponent;                          /* coordinates of the input times 2^-exponent are below 1 */
-    double unit, origin[3];                /* of the coarsest grid, for coordinates below 1 */
-    pbwfill__doubles x;                    /* 3 a vertex, in units from the origin; in >>places the caller's */
+    int exponent;                          /* coordinates are those of the input times 2^-exponent */
+    int has_rests;                         /* places may have rests: no coordinate is too small for them */
+    double reach, slack;                   /* reach: 2^-50 of the largest coordinate; slack: the same once there are
+                                              rests: differences of coordinates without these are off by less */
+    pbwfill__doubles x;                    /* PLACE numbers a vertex */
+    PBW_ARRAY(pbwfill__rest) rests;        /* the first is none */
     size_t inputs;                         /* how many vertices are the input's */
     pbwfill__indices canonical;            /* of each of them: the first at its place */
     PBW_ARRAY(pbwfill__tet) tets;
@@ -302,17 +307,12 @@ typedef struct pbwfill__work {
 
 static const double *pbwfill__at(const pbwfill__work *w, pbw_index v)
 {
-    return w->x.at + 3 * (size_t)v;
+    return w->x.at + PBWFILL__PLACE * (size_t)v;
 }
 
 static size_t pbwfill__vertices(const pbwfill__work *w)
 {
-    return w->x.count / 3;
-}
-
-static int pbwfill__orient(const pbwfill__work *w, pbw_index a, pbw_index b, pbw_index c, pbw_index d)
-{
-    return pbw_orient3(pbwfill__at(w, a), pbwfill__at(w, b), pbwfill__at(w, c), pbwfill__at(w, d));
+    return w->x.count / PBWFILL__PLACE;
 }
 
 /* Refuses the input, or counts one more reason to. */
@@ -498,6 +498,435 @@ static unsigned pbwfill__across(const pbwfill__tet *t, const pbw_index v[3])
     return k;
 }
 
+static void pbwfill__link(pbwfill__work *w, pbw_index t, unsigned i, pbw_index u, unsigned j)
+{
+    w->tets.at[t].n[i] = u;
+    w->tets.at[u].n[j] = t;
+}
+
+/* Adds a vertex. */
+static int pbwfill__new_vertex(pbwfill__work *w, const double p[PBWFILL__PLACE])
+{
+    if (!PBW_RESERVE(&w->memory, w->x, PBWFILL__PLACE) || !PBW_PUSH(&w->memory, w->at, PBW_NONE)
+        || !PBW_PUSH(&w->memory, w->touched, 0) || !PBW_PUSH(&w->memory, w->beyond, 0)
+        || !PBW_PUSH(&w->memory, w->sign, 0)
+        || !PBW_PUSH(&w->memory, w->seen_vertex, 0)) {
+        return 0;
+    }
+    memcpy(w->x.at + w->x.count, p, PBWFILL__PLACE * sizeof *p);
+    w->x.count += PBWFILL__PLACE;
+    return 1;
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   >>signs        Exact signs for places that are sums of doubles.
+   In: places; a coordinate is x[k], plus the parts of its rest.  Out: signs; ties as pbw.h decides them.
+   A point on an edge of the input is p + m 2^-22 (q - p), m an integer: p and q are doubles, so that it is the sum of
+   four, two of either product.  Most other places are triples of doubles.
+   Holds: where there are rests, coordinates are multiples of 2^-214 below 2^82.  So differences have at most 297
+   bits, determinants of degree five at most 5 * 297 + 5; all products are multiples of 2^-1070, and nothing under- or
+   overflows.  A sum consists of parts, which ascend, do not overlap, and are not adjacent: there is a bit between any
+   two (Shewchuk 1997, "Adaptive precision floating-point arithmetic", theorem 10: sums that round to nearest even
+   leave them so).  So there are two bits for each part but one.
+   ------------------------------------------------------------------------------------------------------ */
+enum { PBWFILL__PARTS = 150 };             /* of a difference, at most; times the degree of other numbers */
+
+typedef struct pbwfill__sum { double *part; int count; } pbwfill__sum;
+
+/* Takes room for a number of a degree out of the pool. */
+static pbwfill__sum pbwfill__new_sum(double **pool, int degree)
+{
+    pbwfill__sum n;
+    n.part = *pool;
+    n.count = 0;
+    *pool += degree * PBWFILL__PARTS;
+    return n;
+}
+
+static void pbwfill__add(pbwfill__sum *n, double x)
+{
+    int i, count = 0;
+    for (i = 0; i < n->count; i++) {
+        const pbw_pair sum = pbw_two_sum(x, n->part[i]);
+        x = sum.head;
+        if (fabs(sum.tail) > 0) {
+            n->part[count++] = sum.tail;
+        }
+    }
+    if (fabs(x) > 0) {
+        n->part[count++] = x;
+    }
+    n->count = count;
+}
+
+/* Adds a b or, if the sign is -1, subtracts it. */
+static void pbwfill__add_product(pbwfill__sum *n, const pbwfill__sum *a, const pbwfill__sum *b, int sign)
+{
+    int i, k;
+    for (i = 0; i < a->count; i++) {
+        for (k = 0; k < b->count; k++) {
+            const pbw_pair product = pbw_two_product(sign * a->part[i], b->part[k]);
+            pbwfill__add(n, product.tail);
+            pbwfill__add(n, product.head);
+        }
+    }
+}
+
+static int pbwfill__sign(const pbwfill__sum *n)
+{
+    return n->count == 0 ? 0 : n->part[n->count - 1] > 0 ? 1 : -1;
+}
+
+/* Takes a number apart: x is near it, and rest has the parts that x lacks. */
+static void pbwfill__split_parts(pbwfill__sum *n, double *x, double rest[3])
+{
+    int i, j;
+    for (i = -1; i < 3; i++) {                       /* the remainder is below some last places of the sum */
+        double sum = 0;
+        for (j = 0; j < n->count; j++) {
+            sum += n->part[j];
+        }
+        *(i < 0 ? x : rest + i) = sum;
+        pbwfill__add(n, -sum);
+    }
+}
+
+/* p's coordinate k less o's. */
+static pbwfill__sum pbwfill__difference(const pbwfill__work *w, const double *p, const double *o, int k,
+                                           double **pool)
+{
+    pbwfill__sum n = pbwfill__new_sum(pool, 1);
+    int i;
+    for (i = 2; i >= 0; i--) {
+        pbwfill__add(&n, w->rests.at[(size_t)p[3]].part[k][i]);
+        pbwfill__add(&n, -w->rests.at[(size_t)o[3]].part[k][i]);
+    }
+    pbwfill__add(&n, p[k]);
+    pbwfill__add(&n, -o[k]);
+    return n;
+}
+
+/* Rounds rows[i] = p[i] - o.  size: of each axis, and of the squared length, what bounds them: a difference is off by
+   2 u times that, u = 2^-53 (the sum of the rests beyond their first parts is below u times these). */
+static void pbwfill__subtract(const pbwfill__work *w, const double *const *p, int count, const double *o,
+                              double rows[4][3], double size[4])
+{
+    const pbwfill__rest *from = w->rests.at + (size_t)o[3];
+    int i, k;
+    size[0] = size[1] = size[2] = size[3] = 0;
+    for (i = 0; i < count; i++) {
+        const pbwfill__rest *rest = w->rests.at + (size_t)p[i][3];
+        double square = 0;
+        for (k = 0; k < 3; k++) {
+            const double d = p[i][k] - o[k], more = rest->part[k][0] - from->part[k][0];
+            const double most = fabs(d) + fabs(rest->part[k][0]) + fabs(from->part[k][0]);
+            rows[i][k] = d + more;
+            size[k] = most > size[k] ? most : size[k];
+            square += most * most;
+        }
+        size[3] = square > size[3] ? square : size[3];
+    }
+}
+
+/* The determinant of the first two columns of rows i and j, and of three rows. */
+static double pbwfill__minor2(double rows[4][3], int i, int j)
+{
+    return rows[i][0] * rows[j][1] - rows[j][0] * rows[i][1];
+}
+
+static double pbwfill__minor3(double rows[4][3], int i, int j, int k)
+{
+    return rows[i][2] * pbwfill__minor2(rows, j, k) - rows[j][2] * pbwfill__minor2(rows, i, k)
+         + rows[k][2] * pbwfill__minor2(rows, i, j);
+}
+
+/* The same in pairs of doubles.  Errors are at most 7 u^2 of a product and 3 u^2 of the terms of a sum (Joldes,
+   Muller and Popescu 2017, "Tight and rigorous error bounds for basic building blocks of double-word arithmetic"):
+   8 u^2 for each of them.  A difference takes three sums. */
+static void pbwfill__subtract_pairs(const pbwfill__work *w, const double *const *p, int count, const double *o,
+                                    pbw_pair rows[4][3])
+{
+    const pbwfill__rest *from = w->rests.at + (size_t)o[3];
+    int i, j, k;
+    for (i = 0; i < count; i++) {
+        const pbwfill__rest *rest = w->rests.at + (size_t)p[i][3];
+        for (k = 0; k < 3; k++) {
+            rows[i][k] = pbw_two_sum(p[i][k], -o[k]);
+            for (j = 0; j < 2; j++) {
+                rows[i][k] = pbw_pair_plus(rows[i][k], pbw_two_sum(rest->part[k][j], -from->part[k][j]));
+            }
+        }
+    }
+}
+
+static pbw_pair pbwfill__pair_minor3(pbw_pair rows[4][3], int i, int j, int k)
+{
+    const pbw_pair a = pbw_pair_minor(rows[j][0], rows[j][1], rows[k][0], rows[k][1]);
+    const pbw_pair b = pbw_pair_minor(rows[k][0], rows[k][1], rows[i][0], rows[i][1]);
+    const pbw_pair c = pbw_pair_minor(rows[i][0], rows[i][1], rows[j][0], rows[j][1]);
+    return pbw_pair_plus(pbw_pair_plus(pbw_pair_times(rows[i][2], a), pbw_pair_times(rows[j][2], b)),
+                         pbw_pair_times(rows[k][2], c));
+}
+
+/* The same exactly: all rows, columns, and minors of two and three rows that leave out those of the index. */
+typedef struct pbwfill__exact { pbwfill__sum row[4][3], pair[4][4]; } pbwfill__exact;
+
+static void pbwfill__read_rows(const pbwfill__work *w, const double *const *p, int count, const double *o,
+                               pbwfill__exact *e, double **pool)
+{
+    int i, k;
+    for (i = 0; i < count; i++) {
+        for (k = 0; k < 3; k++) {
+            e->row[i][k] = pbwfill__difference(w, p[i], o, k, pool);
+        }
+    }
+    for (i = 0; i < count; i++) {
+        for (k = i + 1; k < count; k++) {
+            e->pair[i][k] = pbwfill__new_sum(pool, 2);
+            pbwfill__add_product(&e->pair[i][k], &e->row[i][0], &e->row[k][1], 1);
+            pbwfill__add_product(&e->pair[i][k], &e->row[k][0], &e->row[i][1], -1);
+        }
+    }
+}
+
+static pbwfill__sum pbwfill__exact_minor3(const pbwfill__exact *e, int i, int j, int k, double **pool)
+{
+    pbwfill__sum n = pbwfill__new_sum(pool, 3);
+    pbwfill__add_product(&n, &e->row[i][2], &e->pair[j][k], 1);
+    pbwfill__add_product(&n, &e->row[j][2], &e->pair[i][k], -1);
+    pbwfill__add_product(&n, &e->row[k][2], &e->pair[i][j], 1);
+    return n;
+}
+
+/* Returns the orientation of `count` places, in space (axis: 3) or seen along an axis, if those with the ends of
+   edges instead of places on them have no opposite signs, as it is linear in each place; else 2. */
+static int pbwfill__sign_of_ends(const pbwfill__work *w, const double *const *p, int count, int axis)
+{
+    int i, sign = 0, ways = 1, way;
+    for (i = 0; i < count; i++) {
+        ways *= p[i][3] > 0 ? 2 : 1;
+    }
+    for (way = 0; way < ways; way++) {
+        const double *q[4];
+        int s, left = way;
+        for (i = 0; i < count; i++) {
+            q[i] = p[i];
+            if (p[i][3] > 0) {
+                const pbw_index end = w->rests.at[(size_t)p[i][3]].ends[left % 2];
+                if (end == PBW_NONE) {
+                    return 2;
+                }
+                q[i] = pbwfill__at(w, end);
+                left /= 2;
+            }
+        }
+        if (axis < 3) {
+            const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+            const double a[2] = { q[0][u], q[0][v] }, b[2] = { q[1][u], q[1][v] }, c[2] = { q[2][u], q[2][v] };
+            s = pbw_orient2(a, b, c);
+        } else {
+            s = pbw_orient3(q[0], q[1], q[2], q[3]);
+        }
+        if (s * sign < 0) {
+            return 2;
+        }
+        sign = s != 0 ? s : sign;
+    }
+    return sign;
+}
+
+/* pbw_orient3 with rests.  Roundings on a product as in pbw.h's table: 2 for each of three differences, and 5 more;
+   six products: 66 u times the sizes.  In pairs 3 * 3 and 5: 672 u^2. */
+static int pbwfill__orient_rests(const pbwfill__work *w, const double *const p[4])
+{
+    double pool[18 * PBWFILL__PARTS], *top = pool, rows[4][3], size[4], det, bound;
+    pbw_pair pairs[4][3];
+    pbwfill__exact e;
+    pbwfill__sum n;
+    int sign;
+    pbwfill__subtract(w, p, 3, p[3], rows, size);
+    det = pbwfill__minor3(rows, 0, 1, 2);
+    bound = 1e-14 * size[0] * size[1] * size[2];
+    if (det > bound || det < -bound) {
+        return det > 0 ? -1 : 1;
+    }
+    pbwfill__subtract_pairs(w, p, 3, p[3], pairs);
+    det = pbwfill__pair_minor3(pairs, 0, 1, 2).head;
+    bound = 1e-29 * size[0] * size[1] * size[2];
+    sign = det > bound ? -1 : det < -bound ? 1 : pbwfill__sign_of_ends(w, p, 4, 3);
+    if (sign == 2) {
+        pbwfill__read_rows(w, p, 3, p[3], &e, &top);
+        n = pbwfill__exact_minor3(&e, 0, 1, 2, &top);
+        sign = -pbwfill__sign(&n);
+    }
+    return sign;
+}
+
+static double pbwfill__largest(double a, double b, double c)
+{
+    const double x = fabs(a), y = fabs(b), z = fabs(c), most = x > y ? x : y;
+    return most > z ? most : z;
+}
+
+/* The first filter is for all places, without their rests: as in pbw.h's table, and six products of three differences
+   that are off by e are off by no more than 6 (x y z - (x - e) (y - e) (z - e)), and so by 6 e (x y + y z + z x).
+   Underflows are below 2^-900. */
+static int pbwfill__orient3(const pbwfill__work *w, const double *a, const double *b, const double *c,
+                            const double *d)
+{
+    const double x0 = a[0] - d[0], y0 = a[1] - d[1], z0 = a[2] - d[2];
+    const double x1 = b[0] - d[0], y1 = b[1] - d[1], z1 = b[2] - d[2];
+    const double x2 = c[0] - d[0], y2 = c[1] - d[1], z2 = c[2] - d[2], e = w->slack;
+    const double x = pbwfill__largest(x0, x1, x2) + e, y = pbwfill__largest(y0, y1, y2) + e;
+    const double z = pbwfill__largest(z0, z1, z2) + e;
+    const double det = z1 * (x0 * y2 - x2 * y0) - z0 * (x1 * y2 - x2 * y1) - z2 * (x0 * y1 - x1 * y0);
+    const double bound = 1e-14 * x * y * z + 7 * e * (x * y + (x + y) * z);
+    if (bound > 1e-250 && (det > bound || det < -bound)) {
+        return det > 0 ? 1 : -1;
+    }
+    if (a[3] + b[3] + c[3] + d[3] > 0) {
+        const double *p[4];
+        p[0] = a, p[1] = b, p[2] = c, p[3] = d;
+        return pbwfill__orient_rests(w, p);
+    }
+    return pbw_orient3(a, b, c, d);
+}
+
+/* Whether a is lexicographically larger than b. */
+static int pbwfill__is_larger(const pbwfill__work *w, const double *a, const double *b)
+{
+    int k, sign = 0;
+    for (k = 0; k < 3 && sign == 0; k++) {
+        double pool[PBWFILL__PARTS], *top = pool;
+        const pbwfill__sum n = pbwfill__difference(w, a, b, k, &top);
+        sign = pbwfill__sign(&n);
+    }
+    return sign > 0;
+}
+
+/* pbw_conflict3 with rests, exactly; ties as in pbw__tie: of the corners with a coefficient that is not 0, and p, the
+   lexicographically largest one decides. */
+static int pbwfill__exact_conflict(const pbwfill__work *w, const double *const *corner, const double *p)
+{
+    static const int others[4][3] = { { 1, 2, 3 }, { 0, 2, 3 }, { 0, 1, 3 }, { 0, 1, 2 } };
+    double pool[49 * PBWFILL__PARTS], *top = pool;
+    const double *largest = p;
+    pbwfill__exact e;
+    pbwfill__sum sum;
+    int i, k, coefficient[4], verdict = 0;
+    pbwfill__read_rows(w, corner, 4, p, &e, &top);
+    sum = pbwfill__new_sum(&top, 5);
+    for (i = 0; i < 4; i++) {
+        const int *o = others[i];
+        const pbwfill__sum minor = pbwfill__exact_minor3(&e, o[0], o[1], o[2], &top);
+        pbwfill__sum lift = pbwfill__new_sum(&top, 2);
+        for (k = 0; k < 3; k++) {
+            pbwfill__add_product(&lift, &e.row[i][k], &e.row[i][k], 1);
+        }
+        pbwfill__add_product(&sum, &lift, &minor, i % 2 == 0 ? 1 : -1);
+        coefficient[i] = i % 2 == 0 ? pbwfill__sign(&minor) : -pbwfill__sign(&minor);
+    }
+    if (sum.count > 0) {
+        return pbwfill__sign(&sum) > 0;
+    }
+    for (i = 0; i < 4; i++) {
+        if (coefficient[i] != 0 && pbwfill__is_larger(w, corner[i], largest)) {
+            largest = corner[i];
+            verdict = coefficient[i] > 0;
+        }
+    }
+    return verdict;
+}
+
+static double pbwfill__conflict_in_pairs(const pbwfill__work *w, const double *const *corner, const double *p)
+{
+    static const int others[4][3] = { { 1, 2, 3 }, { 0, 3, 2 }, { 0, 1, 3 }, { 0, 2, 1 } };  /* signs alternate */
+    pbw_pair rows[4][3], det = { 0, 0 };
+    int i;
+    pbwfill__subtract_pairs(w, corner, 4, p, rows);
+    for (i = 0; i < 4; i++) {
+        const pbw_pair minor = pbwfill__pair_minor3(rows, others[i][0], others[i][1], others[i][2]);
+        const pbw_pair lift = pbw_pair_plus(pbw_pair_plus(pbw_pair_times(rows[i][0], rows[i][0]),
+                              pbw_pair_times(rows[i][1], rows[i][1])), pbw_pair_times(rows[i][2], rows[i][2]));
+        det = pbw_pair_plus(det, pbw_pair_times(lift, minor));
+    }
+    return det.head;
+}
+
+/* pbw_conflict3 with rests.  Roundings on a product: 2 for each difference, 2 times in the lift; 3 more in that, 5 in
+   the minor, 3 in the sum; 24 products: 504 u times the sizes.  In pairs 3 for each difference: 4992 u^2. */
+static int pbwfill__conflict_rests(const pbwfill__work *w, const double *const *corner, const double *p)
+{
+    double rows[4][3], size[4], lift[4], det, bound;
+    int i;
+    pbwfill__subtract(w, corner, 4, p, rows, size);
+    for (i = 0; i < 4; i++) {
+        lift[i] = rows[i][0] * rows[i][0] + rows[i][1] * rows[i][1] + rows[i][2] * rows[i][2];
+    }
+    det = (lift[0] * pbwfill__minor3(rows, 1, 2, 3) - lift[1] * pbwfill__minor3(rows, 0, 2, 3))
+        + (lift[2] * pbwfill__minor3(rows, 0, 1, 3) - lift[3] * pbwfill__minor3(rows, 0, 1, 2));
+    bound = 7e-14 * size[0] * size[1] * size[2] * size[3];
+    if (fabs(det) <= bound) {
+        det = pbwfill__conflict_in_pairs(w, corner, p);
+        bound *= 1e-14;
+    }
+    return fabs(det) > bound ? det > 0 : pbwfill__exact_conflict(w, corner, p);
+}
+
+static int pbwfill__conflict3(const pbwfill__work *w, const double *a, const double *b, const double *c,
+                              const double *d, const double *p)
+{
+    if (a[3] + b[3] + c[3] + d[3] + p[3] > 0) {
+        const double *corner[4];
+        corner[0] = a, corner[1] = b, corner[2] = c, corner[3] = d;
+        return pbwfill__conflict_rests(w, corner, p);
+    }
+    return pbw_conflict3(a, b, c, d, p, NULL);
+}
+
+/* pbw_orient2 along an axis with rests.  Two products with 2 * 2 + 2 roundings: 12 u times the sizes. */
+static int pbwfill__turn_rests(const pbwfill__work *w, const double *const p[3], int axis)
+{
+    const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+    double pool[6 * PBWFILL__PARTS], *top = pool, rows[4][3], size[4], det, bound;
+    pbwfill__sum x[2], y[2], n;
+    int i, sign;
+    pbwfill__subtract(w, p, 2, p[2], rows, size);
+    det = rows[0][u] * rows[1][v] - rows[1][u] * rows[0][v];
+    bound = 2e-15 * size[u] * size[v];
+    sign = det > bound ? 1 : det < -bound ? -1 : pbwfill__sign_of_ends(w, p, 3, axis);
+    if (sign < 2) {
+        return sign;
+    }
+    for (i = 0; i < 2; i++) {
+        x[i] = pbwfill__difference(w, p[i], p[2], u, &top);
+        y[i] = pbwfill__difference(w, p[i], p[2], v, &top);
+    }
+    n = pbwfill__new_sum(&top, 2);
+    pbwfill__add_product(&n, &x[0], &y[1], 1);
+    pbwfill__add_product(&n, &x[1], &y[0], -1);
+    return pbwfill__sign(&n);
+}
+
+/* On which side of a-b, seen along an axis, c is. */
+static int pbwfill__turn(const pbwfill__work *w, const double *a, const double *b, const double *c, int axis)
+{
+    if (a[3] + b[3] + c[3] > 0) {
+        const double *p[3];
+        p[0] = a, p[1] = b, p[2] = c;
+        return pbwfill__turn_rests(w, p, axis);
+    } else {
+        const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+        const double p[2] = { a[u], a[v] }, q[2] = { b[u], b[v] }, r[2] = { c[u], c[v] };
+        return pbw_orient2(p, q, r);
+    }
+}
+
+static int pbwfill__orient(const pbwfill__work *w, pbw_index a, pbw_index b, pbw_index c, pbw_index d)
+{
+    return pbwfill__orient3(w, pbwfill__at(w, a), pbwfill__at(w, b), pbwfill__at(w, c), pbwfill__at(w, d));
+}
+
 /* Whether p is strictly beyond the facet across from corner i. */
 static int pbwfill__is_beyond(const pbwfill__work *w, const pbwfill__tet *t, unsigned i, const double *p)
 {
@@ -506,43 +935,18 @@ static int pbwfill__is_beyond(const pbwfill__work *w, const pbwfill__tet *t, uns
     for (k = 0; k < 4; k++) {
         c[k] = k == i ? p : pbwfill__at(w, t->v[k]);
     }
-    return pbw_orient3(c[0], c[1], c[2], c[3]) < 0;
-}
-
-static void pbwfill__link(pbwfill__work *w, pbw_index t, unsigned i, pbw_index u, unsigned j)
-{
-    w->tets.at[t].n[i] = u;
-    w->tets.at[u].n[j] = t;
-}
-
-/* Adds a vertex. */
-static int pbwfill__new_vertex(pbwfill__work *w, const double p[3])
-{
-    if (!PBW_RESERVE(&w->memory, w->x, 3) || !PBW_PUSH(&w->memory, w->at, PBW_NONE)
-        || !PBW_PUSH(&w->memory, w->touched, 0) || !PBW_PUSH(&w->memory, w->beyond, 0)
-        || !PBW_PUSH(&w->memory, w->sign, 0)
-        || !PBW_PUSH(&w->memory, w->seen_vertex, 0)) {
-        return 0;
-    }
-    memcpy(w->x.at + w->x.count, p, 3 * sizeof *p);
-    w->x.count += 3;
-    return 1;
+    return pbwfill__orient3(w, c[0], c[1], c[2], c[3]) < 0;
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   >>grid         Points moved to a grid on which points between them are exact.
-   In: the input's points.  Out: vertices, with coordinates from -2^29 to 2^29; the box's corners.
-   Holds: on the coarsest grid, coordinates are integers from 0 on, and a point a + m 2^-22 (b - a) between two of
-   these, m an integer, is a triple of doubles, computed without rounding: b - a has at most 30 bits, times m 52; the
-   sum is below 2^30 and a multiple of 2^-22.  On finer ones, some m have such a point.
-   Without a grid, coordinates y of the input become y - origin without rounding: the origin is 0 where there are both
-   signs; else it is nearer to 0 than all y, and a multiple of what is at most 2^-29 of the box.  So the difference is
-   not larger than y, and a multiple of the last place of y or of that of the origin.
+   >>vertices     The input's points, and a box around.
+   In: the input's points.  Out: vertices: those times a power of two, so that the longest side of their box is from
+   2^28 on and below 2^29; the corners of a box five times as wide.
+   Holds: nothing is rounded.  If the input's points are on a grid of 2^-29 of the box, and that is at 0, coordinates
+   are integers below 2^30.  A point a + m 2^-22 (b - a) between these, m an integer, is a triple of doubles: b - a
+   has at most 31 bits, times m 53; the sum is below 2^30 and a multiple of 2^-22.
    ------------------------------------------------------------------------------------------------------ */
-/* Of each level: how many bits its grid is finer than the coarsest. */
-static const int pbwfill__finer[PBWFILL__LEVELS] = { 0, 8, 16, 20, 21 };
-
-/* x times 2^e, for e from -1100 to 1100. */
+/* x times 2^e, for e from -2000 to 2000. */
 static double pbwfill__scaled(double x, int e)
 {
     const uint64_t bits[2] = { (uint64_t)(1023 + e / 2) << 52, (uint64_t)(1023 + e - e / 2) << 52 };
@@ -551,35 +955,14 @@ static double pbwfill__scaled(double x, int e)
     return x * factors[0] * factors[1];
 }
 
-/* Takes the coarsest grid on which the shortest edge has 2^14 steps; after that, the finer ones in turn, then the
-   coarser ones. */
-static void pbwfill__choose_level(pbwfill__work *w)
-{
-    const pbw_fill_input *in = w->input;
-    double shortest = HUGE_VAL;
-    size_t i, k;
-    int first = 0;
-    for (i = 0; i < 3 * in->triangle_count; i++) {
-        const double *p = in->points + 3 * (size_t)in->triangles[i];
-        const double *q = in->points + 3 * (size_t)in->triangles[i % 3 == 2 ? i - 2 : i + 1];
-        double length = 0;
-        for (k = 0; k < 3; k++) {
-            length = fmax(length, fabs(pbwfill__scaled(q[k], -w->exponent) - pbwfill__scaled(p[k], -w->exponent)));
-        }
-        shortest = length > 0 ? fmin(shortest, length) : shortest;
-    }
-    while (first < PBWFILL__LEVELS && ldexp(shortest / w->unit, pbwfill__finer[first]) < 16384) {
-        first++;
-    }
-    w->level = first + w->tries <= PBWFILL__LEVELS ? first + w->tries : PBWFILL__LEVELS - w->tries;
-}
-
-static pbw_status pbwfill__fit_grid(pbwfill__work *w)
+/* Sets the exponent; low: the box's corner. */
+static pbw_status pbwfill__find_scale(pbwfill__work *w, double low[3])
 {
     const double *p = w->input->points;
-    double low[3] = { 2, 2, 2 }, high[3] = { -2, -2, -2 }, most = 0, extent = 0;
+    double high[3] = { -2, -2, -2 }, most = 0, extent = 0;
     size_t i, k;
     int e;
+    low[0] = low[1] = low[2] = 2;
     for (i = 0; i < 3 * w->inputs; i++) {
         if (!(fabs(p[i]) < HUGE_VAL)) {
             return PBW_ERROR_NOT_FINITE;
@@ -599,12 +982,10 @@ static pbw_status pbwfill__fit_grid(pbwfill__work *w)
         return pbwfill__refuse(w, PBW_FILL_EMPTY, PBW_NONE, PBW_NONE);
     }
     (void)frexp(extent, &e);
-    w->unit = ldexp(1, e - 29);
-    pbwfill__choose_level(w);
     for (k = 0; k < 3; k++) {
-        w->origin[k] = w->level < PBWFILL__LEVELS || low[k] > 0 ? floor(low[k] / w->unit) * w->unit
-                     : high[k] < 0 ? ceil(high[k] / w->unit) * w->unit : 0;
+        low[k] = floor(ldexp(low[k], 29 - e));
     }
+    w->exponent += e - 29;
     return PBW_OK;
 }
 
@@ -613,36 +994,62 @@ static void pbwfill__place(const pbwfill__work *w, const double *x, double out[3
 {
     int k;
     for (k = 0; k < 3; k++) {
-        out[k] = pbwfill__scaled(w->origin[k] + x[k] * w->unit, w->exponent);
+        out[k] = pbwfill__scaled(x[k], w->exponent);
+    }
+}
+
+/* Whether places with rests may be on an edge that ends at such a coordinate: its last bit is 2^-192 or larger, or
+   that times 2^-22 on the edge. */
+static int pbwfill__is_in_range(double x)
+{
+    return !(fabs(x) > 0) || (fabs(x) >= ldexp(1, -140) && fabs(x) < ldexp(1, 82));
+}
+
+/* Rounds x to what the caller's doubles hold. */
+static void pbwfill__round(const pbwfill__work *w, double x[3])
+{
+    double out[3];
+    int k;
+    pbwfill__place(w, x, out);
+    for (k = 0; k < 3; k++) {
+        x[k] = pbwfill__scaled(out[k], -w->exponent);
+        x[k] = w->has_rests && !pbwfill__is_in_range(x[k]) ? 0 : x[k];
     }
 }
 
 static pbw_status pbwfill__make_vertices(pbwfill__work *w)
 {
-    pbw_status status = pbwfill__fit_grid(w);
+    double low[3];
+    pbw_status status = pbwfill__find_scale(w, low);
     size_t i, k;
     const size_t count = w->inputs + 8;
-    const double steps = ldexp(1, w->level < PBWFILL__LEVELS ? pbwfill__finer[w->level] : 0);
+    pbwfill__rest none;
+    memset(&none, 0, sizeof none);
     if (status != PBW_OK) {
         return status;
     }
-    if (!PBW_FIT(&w->memory, w->x, 3 * count) || !PBW_ZEROS(&w->memory, w->touched, count)
+    if (!PBW_ZEROS(&w->memory, w->x, PBWFILL__PLACE * count) || !PBW_ZEROS(&w->memory, w->touched, count)
         || !PBW_ZEROS(&w->memory, w->beyond, count)
         || !PBW_ZEROS(&w->memory, w->sign, count) || !PBW_ZEROS(&w->memory, w->seen_vertex, count)
-        || !PBW_ZEROS(&w->memory, w->at, count)) {
+        || !PBW_ZEROS(&w->memory, w->at, count) || !PBW_PUSH(&w->memory, w->rests, none)) {
         return PBW_ERROR_MEMORY;
     }
-    w->x.count = 3 * count;
+    w->has_rests = 1;
     for (i = 0; i < w->inputs; i++) {
         for (k = 0; k < 3; k++) {
-            const double y = pbwfill__scaled(w->input->points[3 * i + k], -w->exponent);
-            const double x = (y - w->origin[k]) / w->unit;
-            w->x.at[3 * i + k] = w->level < PBWFILL__LEVELS ? floor(x * steps + 0.5) / steps : x;
+            const double y = w->input->points[3 * i + k], x = pbwfill__scaled(y, -w->exponent);
+            const double back = pbwfill__scaled(x, w->exponent);
+            w->x.at[PBWFILL__PLACE * i + k] = x;
+            w->has_rests &= pbwfill__is_in_range(x);
+            w->reach = fmax(w->reach, ldexp(fabs(x), -50));
+            if (back < y || back > y) {
+                return pbwfill__refuse(w, PBW_FILL_TOO_FINE, (pbw_index)i, (pbw_index)i);
+            }
         }
     }
     for (i = 0; i < 8; i++) {
         for (k = 0; k < 3; k++) {
-            w->x.at[3 * (w->inputs + i) + k] = i >> k & 1 ? ldexp(3, 29) : -ldexp(1, 30);
+            w->x.at[PBWFILL__PLACE * (w->inputs + i) + k] = low[k] + (i >> k & 1 ? ldexp(3, 29) : -ldexp(1, 30));
         }
     }
     return PBW_OK;
@@ -660,9 +1067,9 @@ static pbw_status pbwfill__triangulate(pbwfill__work *w)
     size_t i;
     memset(&mesh, 0, sizeof mesh);
     (void)pbwfill__inner_options(w);
-    w->options.flags = PBW_BORROW;
+    w->options.stride = PBWFILL__PLACE * sizeof *w->x.at;
     status = pbw_triangulate(3, w->x.at, NULL, count, &w->options, &mesh);
-    w->options.flags = 0;
+    w->options.stride = 0;
     if (status == PBW_OK && !(PBW_ZEROS(&w->memory, w->canonical, w->inputs)
         && PBW_FIT(&w->memory, w->tets, mesh.simplex_count + mesh.simplex_count / 4)
         && PBW_ZEROS(&w->memory, w->seen, mesh.simplex_count))) {
@@ -690,30 +1097,13 @@ static pbw_status pbwfill__triangulate(pbwfill__work *w)
    first triangles.
    ------------------------------------------------------------------------------------------------------ */
 /* Returns the axis to look along at a triangle, so that it has area: 3 if it has none. */
-static int pbwfill__axis_of(const double *a, const double *b, const double *c)
+static int pbwfill__axis_of(const pbwfill__work *w, const double *a, const double *b, const double *c)
 {
-    int k;
-    for (k = 0; k < 3; k++) {
-        const int u = (k + 1) % 3, v = (k + 2) % 3;
-        const double p[2] = { a[u], a[v] }, q[2] = { b[u], b[v] }, r[2] = { c[u], c[v] };
-        if (pbw_orient2(p, q, r) != 0) {
-            return k;
-        }
+    int axis = 0;
+    while (axis < 3 && pbwfill__turn(w, a, b, c, axis) == 0) {
+        axis++;
     }
-    return 3;
-}
-
-/* On which side of a-b, seen along an axis, c is. */
-static int pbwfill__turn(const double *a, const double *b, const double *c, int axis)
-{
-    const int u = (axis + 1) % 3, v = (axis + 2) % 3;
-    const double p[2] = { a[u], a[v] }, q[2] = { b[u], b[v] }, r[2] = { c[u], c[v] };
-    return pbw_orient2(p, q, r);
-}
-
-static int pbwfill__differ(const double *p, const double *q)
-{
-    return p[0] < q[0] || p[0] > q[0] || p[1] < q[1] || p[1] > q[1] || p[2] < q[2] || p[2] > q[2];
+    return axis;
 }
 
 static double pbwfill__distance(const double *p, const double *q)
@@ -722,29 +1112,13 @@ static double pbwfill__distance(const double *p, const double *q)
     return sqrt(x * x + y * y + z * z);
 }
 
-/* Refuses points that are at one place of the grid, but not of the input. */
-static pbw_status pbwfill__check_merged(pbwfill__work *w)
-{
-    pbw_status status = PBW_OK;
-    size_t i;
-    for (i = 0; i < w->inputs; i++) {
-        if (pbwfill__differ(w->input->points + 3 * i, w->input->points + 3 * (size_t)w->canonical.at[i])) {
-            status = pbwfill__refuse(w, PBW_FILL_TOO_FINE, w->canonical.at[i], (pbw_index)i);
-        }
-    }
-    return status;
-}
-
 /* Takes over the triangles, and tells in `gone` those with two corners at one place; others without area are
    faults. */
 static pbw_status pbwfill__take_triangles(pbwfill__work *w, unsigned char *gone)
 {
     const pbw_fill_input *in = w->input;
-    pbw_status status = pbwfill__check_merged(w);
+    pbw_status status = PBW_OK;
     size_t i, k;
-    if (status != PBW_OK) {
-        return status;
-    }
     if (!PBW_FIT(&w->memory, w->corners, 3 * in->triangle_count)) {
         return PBW_ERROR_MEMORY;
     }
@@ -756,13 +1130,8 @@ static pbw_status pbwfill__take_triangles(pbwfill__work *w, unsigned char *gone)
         }
         gone[i] = c[0] == c[1] || c[1] == c[2] || c[2] == c[0];
         w->report->collapsed += gone[i];
-        if (!gone[i] && pbwfill__axis_of(pbwfill__at(w, c[0]), pbwfill__at(w, c[1]), pbwfill__at(w, c[2])) == 3) {
-            const double *p = in->points;
-            const int flat = pbwfill__axis_of(p + 3 * (size_t)t[0], p + 3 * (size_t)t[1], p + 3 * (size_t)t[2]) == 3;
-            const int refusal = flat ? PBW_FILL_FLAT : PBW_FILL_TOO_FINE;
-            if (w->report->refusal == PBW_FILL_FILLED || w->report->refusal == refusal) {
-                status = pbwfill__refuse(w, refusal, (pbw_index)i, PBW_NONE);
-            }
+        if (!gone[i] && pbwfill__axis_of(w, pbwfill__at(w, c[0]), pbwfill__at(w, c[1]), pbwfill__at(w, c[2])) == 3) {
+            status = pbwfill__refuse(w, PBW_FILL_FLAT, (pbw_index)i, PBW_NONE);
         }
     }
     w->corners.count = 3 * in->triangle_count;
@@ -864,12 +1233,12 @@ static pbw_index pbwfill__root(pbw_index *tree, pbw_index i)
     return i;
 }
 
-/* Whether an edge lies within a flat facet: between two triangles, coplanar in the input and on the grid, of one
-   number if facets stay as they are. */
+/* Whether an edge lies within a flat facet: between two coplanar triangles, of one number if facets stay as they
+   are. */
 static int pbwfill__is_flat(const pbwfill__work *w, const pbwfill__edge *e)
 {
     const pbw_index *side = w->sides.at + e->first;
-    const double *a, *b, *c, *d, *x = w->input->points;
+    const double *a, *b, *c, *d;
     pbw_index u, v;
     int axis;
     if (e->count != 2 || e->piece != PBW_NONE || (w->how.conforming && (w->how.split_flat
@@ -878,12 +1247,11 @@ static int pbwfill__is_flat(const pbwfill__work *w, const pbwfill__edge *e)
     }
     u = w->corners.at[side[0]], v = w->corners.at[side[1]];
     a = pbwfill__at(w, e->a), b = pbwfill__at(w, e->b), c = pbwfill__at(w, u), d = pbwfill__at(w, v);
-    if (pbw_orient3(a, b, c, d) != 0 || pbw_orient3(x + 3 * (size_t)e->a, x + 3 * (size_t)e->b, x + 3 * (size_t)u,
-                                                    x + 3 * (size_t)v) != 0) {
+    if (pbwfill__orient3(w, a, b, c, d) != 0) {
         return 0;
     }
-    axis = pbwfill__axis_of(a, b, c);
-    return pbwfill__turn(a, b, c, axis) != pbwfill__turn(a, b, d, axis);
+    axis = pbwfill__axis_of(w, a, b, c);
+    return pbwfill__turn(w, a, b, c, axis) != pbwfill__turn(w, a, b, d, axis);
 }
 
 /* Numbers the facets, lists their triangles, and makes a piece of each segment. */
@@ -1018,32 +1386,37 @@ static pbw_status pbwfill__find_edges(pbwfill__work *w)
     return status;
 }
 
-/* Refuses triangles that meet: on the grid, and in the input's coordinates; if only on the grid, that is too
-   coarse. */
+/* Copies the coordinates of the input's vertices.  Returns 0 without memory. */
+static int pbwfill__pack(pbwfill__work *w, pbwfill__doubles *points)
+{
+    size_t i;
+    if (!PBW_FIT(&w->memory, *points, 3 * w->inputs + 1)) {
+        return 0;
+    }
+    for (i = 0; i < w->inputs; i++) {
+        memcpy(points->at + 3 * i, pbwfill__at(w, (pbw_index)i), 3 * sizeof *points->at);
+    }
+    return 1;
+}
+
+/* Refuses triangles that meet. */
 static pbw_status pbwfill__check_crossings(pbwfill__work *w)
 {
-    const pbw_fill_input *in = w->input;
-    const size_t count = w->corners.count / 3;
-    pbw_surface_faults faults, given;
-    pbw_status status;
+    pbwfill__doubles points = { NULL, 0, 0 };
+    pbw_surface_faults faults;
+    pbw_status status = pbwfill__pack(w, &points) ? PBW_OK : PBW_ERROR_MEMORY;
     size_t i;
     memset(&faults, 0, sizeof faults);
-    memset(&given, 0, sizeof given);
-    status = pbw_surface_crossings(w->x.at, w->inputs, w->corners.at, count, pbwfill__inner_options(w), &faults);
-    if (status == PBW_OK && faults.crossing_count > 0) {
-        status = pbw_surface_crossings(in->points, w->inputs, in->triangles, count, pbwfill__inner_options(w),
-                                       &given);
-        if (status == PBW_OK) {
-            const int crossing = given.crossing_count > 0;
-            const pbw_surface_faults *f = crossing ? &given : &faults;
-            for (i = 0; i < f->crossing_count; i++) {
-                status = pbwfill__refuse(w, crossing ? PBW_FILL_CROSSING : PBW_FILL_TOO_FINE, f->crossings[2 * i],
-                                         f->crossings[2 * i + 1]);
-            }
+    status = status != PBW_OK ? status
+           : pbw_surface_crossings(points.at, w->inputs, w->corners.at, w->corners.count / 3,
+                                   pbwfill__inner_options(w), &faults);
+    PBW_RELEASE(&w->memory, points);
+    if (status == PBW_OK) {
+        for (i = 0; i < faults.crossing_count; i++) {
+            status = pbwfill__refuse(w, PBW_FILL_CROSSING, faults.crossings[2 * i], faults.crossings[2 * i + 1]);
         }
     }
     pbw_surface_faults_free(&faults);
-    pbw_surface_faults_free(&given);
     return status;
 }
 
@@ -1073,8 +1446,8 @@ static pbw_index pbwfill__locate(const pbwfill__work *w, pbw_index t, const doub
 
 static int pbwfill__is_in_conflict(const pbwfill__work *w, const pbwfill__tet *t, const double *p)
 {
-    return pbw_conflict3(pbwfill__at(w, t->v[0]), pbwfill__at(w, t->v[1]), pbwfill__at(w, t->v[2]),
-                         pbwfill__at(w, t->v[3]), p, NULL);
+    return pbwfill__conflict3(w, pbwfill__at(w, t->v[0]), pbwfill__at(w, t->v[1]), pbwfill__at(w, t->v[2]),
+                              pbwfill__at(w, t->v[3]), p);
 }
 
 /* Lists the tetrahedra in conflict with p, from one of them; seen: epoch for these, epoch + 1 for those beside. */
@@ -1177,9 +1550,9 @@ static pbw_status pbwfill__insert(pbwfill__work *w, pbw_index vertex, pbw_index 
    This ends: a segment has 2^22 - 1 places for cuts, none is taken twice, and without a place the input is
    refused.  The number is smaller than that.  Let f be the least distance of a segment from vertices of the input
    that are not on it, and from segments that share no end with it.  If one of those vertices, or one on those
-   segments, is in the ball over a piece, that is longer than 2 f; on the coarsest grid, the cut is at least 1/100
-   of it away from its ends.  So these cuts are f / 50 apart: at most 1 + 50 L / f of them are on a segment of
-   length L. What else is seen is on a segment that shares an end, at a distance d from there.  Let x and y be
+   segments, is in the ball over a piece, that is longer than 2 f; the cut is at least 1/100 of it away from its ends.
+   So these cuts are f / 50 apart: at most 1 + 50 L / f of them are on a segment of length L.  What else is seen is on
+   a segment that shares an end, at a distance d from there.  Let x and y be
    those of the piece's ends, a the angle: it is in the ball if (d cos a - x) (y - d cos a) > d^2 sin^2 a, and so
    only if x < d < y, since for y <= d the left side is at most d cos a d (1 - cos a), which is less than d^2 (1 +
    cos a) (1 - cos a). So the cut is at d, and segments that share this end call forth no other distances there.
@@ -1211,9 +1584,9 @@ static pbw_index pbwfill__toward(const pbwfill__work *w, pbw_index a, pbw_index 
 }
 
 /* Whether p, a different point, is exactly on the line through a and b. */
-static int pbwfill__is_on_line(const double *a, const double *b, const double *p)
+static int pbwfill__is_on_line(const pbwfill__work *w, const double *a, const double *b, const double *p)
 {
-    return pbwfill__axis_of(a, b, p) == 3;
+    return pbwfill__axis_of(w, a, b, p) == 3;
 }
 
 /* The tetrahedron behind t, which has not b for a corner, on the segment from a to b: beyond a facet that the segment
@@ -1230,7 +1603,7 @@ static pbw_index pbwfill__step_along(const pbwfill__work *w, pbw_index t, pbw_in
         }
         for (k = 0; k < 3; k++) {
             const pbw_index u = tet->v[PBW_FACET_CORNER(i, k)], v = tet->v[PBW_FACET_CORNER(i, (k + 1) % 3)];
-            const int s = pbw_orient3(p, q, pbwfill__at(w, u), pbwfill__at(w, v));
+            const int s = pbwfill__orient3(w, p, q, pbwfill__at(w, u), pbwfill__at(w, v));
             low |= s < 0;
             high |= s > 0;
         }
@@ -1269,7 +1642,7 @@ static int pbwfill__look_along(const pbwfill__work *w, const pbwfill__piece *pie
             if (product > 0) {
                 continue;
             }
-            if (product < 0 && pbwfill__is_on_line(p, q, r)) {
+            if (product < 0 && pbwfill__is_on_line(w, p, q, r)) {
                 sight->vertex = tet->v[k];
                 return 1;
             }
@@ -1370,29 +1743,57 @@ static int pbwfill__between(const double *p, const double *q, double t, double x
     return 1;
 }
 
-/* Chooses the coarsest place near `want`, 0 to 1, in a piece, or else the nearest, and adds the vertex there; in the
-   middle if that is an end.  Returns its place; 0 if there is none, PBW_NONE without memory. */
+/* The same for any doubles in range: rest gets what x lacks. */
+static void pbwfill__between_exactly(const double *p, const double *q, double t, double x[3], pbwfill__rest *rest)
+{
+    double parts[8];                                 /* of five sums */
+    pbwfill__sum n;
+    int k;
+    n.part = parts;
+    for (k = 0; k < 3; k++) {
+        const pbw_pair d = pbw_two_sum(q[k], -p[k]), m = pbw_two_product(t, d.head), l = pbw_two_product(t, d.tail);
+        n.count = 0;
+        pbwfill__add(&n, l.tail), pbwfill__add(&n, l.head), pbwfill__add(&n, m.tail), pbwfill__add(&n, m.head);
+        pbwfill__add(&n, p[k]);
+        pbwfill__split_parts(&n, x + k, rest->part[k]);
+    }
+}
+
+/* Chooses the coarsest place near `want`, 0 to 1, in a piece, a triple of doubles if one of them is, or else the
+   nearest, and adds the vertex there; in the middle if that is an end.  Doubles may be farther if they stay.  Returns
+   the place; 0 if there is none, PBW_NONE without memory. */
 static uint32_t pbwfill__add_split(pbwfill__work *w, const pbwfill__piece *piece, double want, double near)
 {
     const double span = (double)(piece->to - piece->from), middle = (double)piece->from + want * span;
     const double *p = pbwfill__at(w, piece->ends[0]), *q = pbwfill__at(w, piece->ends[1]);
-    double x[3] = { 0, 0, 0 }, y[3], best = 0;
-    int e;
-    for (e = PBWFILL__STEPS; e >= -1; e--) {
+    double x[PBWFILL__PLACE] = { 0, 0, 0, 0 }, best = 0;
+    int e, rank = 0;                                 /* 3: near and doubles, 2: near, 1: the nearest */
+    for (e = PBWFILL__STEPS; e >= -1 && rank < 3; e--) {
         const double step = ldexp(1, e);
         const double at = e >= 0 ? floor(middle / step + 0.5) * step : floor((double)piece->from + span / 2);
-        if (at > piece->from && at < piece->to && (e >= 0 || !(best > 0))
-            && (!(best > 0) || fabs(at - middle) <= fabs(best - middle))
-            && pbwfill__between(p, q, at * ldexp(1, -PBWFILL__STEPS), y)) {
-            best = at;
-            memcpy(x, y, sizeof x);
-            if (fabs(at - middle) <= near * span) {
-                break;
+        const double off = fabs(at - middle) / span;
+        if (at > piece->from && at < piece->to && (e >= 0 || rank == 0)) {
+            const int doubles = pbwfill__between(p, q, at * ldexp(1, -PBWFILL__STEPS), x);
+            const int other = !doubles && !w->has_rests ? 0
+                            : off <= (doubles && w->how.conforming ? fmax(near, 0.02) : near) ? 2 + doubles : 1;
+            if (other > rank || (other == 1 && rank == 1 && off <= fabs(best - middle) / span)) {
+                rank = other;
+                best = at;
             }
         }
     }
-    if (!(best > 0)) {
+    if (rank == 0) {
         return 0;
+    }
+    if (!pbwfill__between(p, q, best * ldexp(1, -PBWFILL__STEPS), x)) {
+        pbwfill__rest rest;
+        pbwfill__between_exactly(p, q, best * ldexp(1, -PBWFILL__STEPS), x, &rest);
+        memcpy(rest.ends, piece->ends, sizeof rest.ends);
+        x[3] = (double)w->rests.count;
+        w->slack = w->reach;
+        if (!PBW_PUSH(&w->memory, w->rests, rest)) {
+            return PBW_NONE;
+        }
     }
     return PBW_PUSH(&w->memory, w->ends_of, piece->ends[0]) && PBW_PUSH(&w->memory, w->ends_of, piece->ends[1])
         && pbwfill__new_vertex(w, x) ? (uint32_t)best : PBW_NONE;
@@ -1408,7 +1809,7 @@ static pbw_status pbwfill__mend_piece(pbwfill__work *w, pbw_index i, pbwfill__in
     if (!pbwfill__look_along(w, &piece, &sight)) {
         return PBW_OK;
     }
-    if (sight.vertex != PBW_NONE && pbwfill__is_on_line(pbwfill__at(w, piece.a), pbwfill__at(w, piece.b),
+    if (sight.vertex != PBW_NONE && pbwfill__is_on_line(w, pbwfill__at(w, piece.a), pbwfill__at(w, piece.b),
                                                         pbwfill__at(w, sight.vertex))) {
         if (sight.vertex >= w->inputs || piece.from > 0 || piece.to < 1u << PBWFILL__STEPS) {
             return pbwfill__refuse(w, PBW_FILL_CROSSING, PBW_NONE, PBW_NONE);
@@ -1495,13 +1896,14 @@ static pbw_status pbwfill__recover_segments(pbwfill__work *w)
    ------------------------------------------------------------------------------------------------------ */
 /* Whether the segment p-q, both in the triangle's plane and neither a corner, meets the triangle: one of its sides,
    as no vertex is within a triangle; axis: to look along. */
-static int pbwfill__meets_in_plane(const double *p, const double *q, const double *const c[3], int axis)
+static int pbwfill__meets_in_plane(const pbwfill__work *w, const double *p, const double *q,
+                                   const double *const c[3], int axis)
 {
     int i, k;
     for (i = 0; i < 3; i++) {
         const double *a = c[i], *b = c[(i + 1) % 3];
-        int apart = pbwfill__turn(p, q, a, axis) * pbwfill__turn(p, q, b, axis) > 0
-                 || pbwfill__turn(a, b, p, axis) * pbwfill__turn(a, b, q, axis) > 0;
+        int apart = pbwfill__turn(w, p, q, a, axis) * pbwfill__turn(w, p, q, b, axis) > 0
+                 || pbwfill__turn(w, a, b, p, axis) * pbwfill__turn(w, a, b, q, axis) > 0;
         for (k = 0; k < 3 && !apart; k++) {          /* on one line, too */
             apart = fmax(p[k], q[k]) < fmin(a[k], b[k]) || fmax(a[k], b[k]) < fmin(p[k], q[k]);
         }
@@ -1529,24 +1931,24 @@ static int pbwfill__meets(const pbwfill__work *w, pbw_index p, pbw_index q, cons
     if (common < 3) {
         const double *far = v[common] == p ? b : a, *next = c[(common + 1) % 3], *last = c[(common + 2) % 3];
         int axis, turn;
-        if (pbw_orient3(c[0], c[1], c[2], far) != 0) {
+        if (pbwfill__orient3(w, c[0], c[1], c[2], far) != 0) {
             return 0;
         }
-        axis = pbwfill__axis_of(c[0], c[1], c[2]);
-        turn = pbwfill__turn(c[common], next, last, axis);
-        return pbwfill__turn(c[common], next, far, axis) * turn >= 0
-            && pbwfill__turn(c[common], far, last, axis) * turn >= 0;
+        axis = pbwfill__axis_of(w, c[0], c[1], c[2]);
+        turn = pbwfill__turn(w, c[common], next, last, axis);
+        return pbwfill__turn(w, c[common], next, far, axis) * turn >= 0
+            && pbwfill__turn(w, c[common], far, last, axis) * turn >= 0;
     }
-    first = pbw_orient3(c[0], c[1], c[2], a);
-    second = pbw_orient3(c[0], c[1], c[2], b);
+    first = pbwfill__orient3(w, c[0], c[1], c[2], a);
+    second = pbwfill__orient3(w, c[0], c[1], c[2], b);
     if (first * second > 0) {
         return 0;
     }
     if (first == 0 && second == 0) {
-        return pbwfill__meets_in_plane(a, b, c, pbwfill__axis_of(c[0], c[1], c[2]));
+        return pbwfill__meets_in_plane(w, a, b, c, pbwfill__axis_of(w, c[0], c[1], c[2]));
     }
     for (k = 0; k < 3; k++) {
-        const int s = pbw_orient3(a, b, c[k], c[(k + 1) % 3]);
+        const int s = pbwfill__orient3(w, a, b, c[k], c[(k + 1) % 3]);
         low |= s < 0;
         high |= s > 0;
     }
@@ -1618,8 +2020,9 @@ static pbw_index pbwfill__choose_corner(pbwfill__work *w, const pbw_index v[3], 
             if ((w->beyond.at[d] & PBWFILL__CANDIDATE) == 0) {
                 continue;
             }
-            if (best == PBW_NONE || pbw_conflict3(pbwfill__at(w, v[0]), pbwfill__at(w, v[1]), pbwfill__at(w, v[2]),
-                                                  pbwfill__at(w, best), pbwfill__at(w, d), NULL)) {
+            if (best == PBW_NONE
+                || pbwfill__conflict3(w, pbwfill__at(w, v[0]), pbwfill__at(w, v[1]), pbwfill__at(w, v[2]),
+                                      pbwfill__at(w, best), pbwfill__at(w, d))) {
                 best = d;
             }
         }
@@ -2048,14 +2451,14 @@ static int pbwfill__list_border(pbwfill__work *w, const pbwfill__plane *plane, p
     for (k = 0; k < 3; k++) {
         p[k] = pbwfill__at(w, plane->v[k]);
     }
-    axis = pbwfill__axis_of(p[0], p[1], p[2]);
-    turn = pbwfill__turn(p[0], p[1], p[2], axis);
+    axis = pbwfill__axis_of(w, p[0], p[1], p[2]);
+    turn = pbwfill__turn(w, p[0], p[1], p[2], axis);
     pbwfill__clear(&w->borders);
     pbwfill__clear(&w->covered);
     for (i = w->facet_first.at[plane->facet]; i < w->facet_first.at[plane->facet + 1]; i++) {
         const size_t t = 3 * (size_t)w->members.at[i];
         const pbw_index *c = w->corners.at + t;
-        const int same = turn == pbwfill__turn(pbwfill__at(w, c[0]), pbwfill__at(w, c[1]), pbwfill__at(w, c[2]),
+        const int same = turn == pbwfill__turn(w, pbwfill__at(w, c[0]), pbwfill__at(w, c[1]), pbwfill__at(w, c[2]),
                                                axis);
         for (k = 0; k < 3; k++) {
             const pbwfill__edge *e = w->edges.at + w->edge_of.at[t + (size_t)k];
@@ -2368,13 +2771,13 @@ static pbw_status pbwfill__take_seeds(pbwfill__work *w, pbwfill__map *map)
 {
     size_t i, k;
     for (i = 0; i < w->input->seed_count; i++) {
-        double p[3];
+        const double *low = pbwfill__at(w, (pbw_index)w->inputs), *high = pbwfill__at(w, (pbw_index)w->inputs + 7);
+        double p[PBWFILL__PLACE] = { 0, 0, 0, 0 };
         int inside = 1;
         unsigned j;
         for (k = 0; k < 3; k++) {
-            const double y = pbwfill__scaled(w->input->seeds[3 * i + k], -w->exponent);
-            p[k] = (y - w->origin[k]) / w->unit;
-            inside &= p[k] >= -ldexp(1, 30) && p[k] <= ldexp(3, 29);
+            p[k] = pbwfill__scaled(w->input->seeds[3 * i + k], -w->exponent);
+            inside &= p[k] >= low[k] && p[k] <= high[k];
         }
         if (!inside) {
             return pbwfill__refuse(w, PBW_FILL_SEED, (pbw_index)i, PBW_NONE);
@@ -2386,7 +2789,7 @@ static pbw_status pbwfill__take_seeds(pbwfill__work *w, pbwfill__map *map)
                 const double *a = pbwfill__at(w, tet->v[PBW_FACET_CORNER(j, 0)]);
                 const double *b = pbwfill__at(w, tet->v[PBW_FACET_CORNER(j, 1)]);
                 if (tet->wall[j] != PBW_NONE
-                    && pbw_orient3(a, b, pbwfill__at(w, tet->v[PBW_FACET_CORNER(j, 2)]), p) == 0) {
+                    && pbwfill__orient3(w, a, b, pbwfill__at(w, tet->v[PBW_FACET_CORNER(j, 2)]), p) == 0) {
                     return pbwfill__refuse(w, PBW_FILL_SEED, (pbw_index)i, PBW_NONE);
                 }
             }
@@ -2533,6 +2936,7 @@ typedef struct pbwfill__wedge {            /* to be filled: the space within fac
     pbw_index region, v;                   /* v: a vertex that has all old faces, if the region is PBW_NONE */
     size_t wrapped;                        /* most faces if it is to be wrapped */
     double from[3], inward[3];             /* where a new vertex may be: near `from`, in this direction */
+    pbwfill__rest rest;                    /* what `from` lacks */
 } pbwfill__wedge;
 
 /* Adds the tetrahedra at v to the cavity, which those in it are linked to.  Returns 0 without memory. */
@@ -2675,8 +3079,8 @@ static int pbwfill__cut_ears(pbwfill__work *w, pbwfill__star *star, pbw_index tr
     pbw_index *p = star->polygon.at;
     size_t n = star->polygon.count, i, j;
     const pbw_index second = p[1], last = p[n - 2];
-    const int axis = pbwfill__axis_of(pbwfill__at(w, c[0]), pbwfill__at(w, c[1]), pbwfill__at(w, c[2]));
-    const int turn = pbwfill__turn(pbwfill__at(w, star->v), pbwfill__at(w, p[0]), pbwfill__at(w, p[1]), axis);
+    const int axis = pbwfill__axis_of(w, pbwfill__at(w, c[0]), pbwfill__at(w, c[1]), pbwfill__at(w, c[2]));
+    const int turn = pbwfill__turn(w, pbwfill__at(w, star->v), pbwfill__at(w, p[0]), pbwfill__at(w, p[1]), axis);
     while (n >= 3) {
         const size_t before = n;
         for (i = 0; i < before; i++) {
@@ -2685,13 +3089,13 @@ static int pbwfill__cut_ears(pbwfill__work *w, pbwfill__star *star, pbw_index tr
             if (n > 3 && (i == 0 || i == n - 1)) {
                 continue;                            /* the ends of the edge stay until the last */
             }
-            if (pbwfill__turn(a, b, d, axis) != turn) {
+            if (pbwfill__turn(w, a, b, d, axis) != turn) {
                 continue;
             }
             for (j = 2; j < n - 1; j++) {
                 const double *q = pbwfill__at(w, p[(i + j) % n]);
-                if (pbwfill__turn(a, b, q, axis) != -turn && pbwfill__turn(b, d, q, axis) != -turn
-                    && pbwfill__turn(d, a, q, axis) != -turn) {
+                if (pbwfill__turn(w, a, b, q, axis) != -turn && pbwfill__turn(w, b, d, q, axis) != -turn
+                    && pbwfill__turn(w, d, a, q, axis) != -turn) {
                     break;
                 }
             }
@@ -2832,12 +3236,12 @@ static double pbwfill__depth(const pbwfill__work *w, int wedge, const double x[3
 }
 
 /* Whether all tetrahedra of the wedge's faces and x are positive. */
-static int pbwfill__sees_all(const pbwfill__work *w, int wedge, const double x[3])
+static int pbwfill__sees_all(const pbwfill__work *w, int wedge, const double x[PBWFILL__PLACE])
 {
     size_t i;
     for (i = 0; i < w->faces.count; i++) {
         const pbwfill__face *f = w->faces.at + i;
-        if (f->side == wedge && pbw_orient3(pbwfill__at(w, f->v[0]), pbwfill__at(w, f->v[1]),
+        if (f->side == wedge && pbwfill__orient3(w, pbwfill__at(w, f->v[0]), pbwfill__at(w, f->v[1]),
                                             pbwfill__at(w, f->v[2]), x) <= 0) {
             return 0;
         }
@@ -2847,11 +3251,12 @@ static int pbwfill__sees_all(const pbwfill__work *w, int wedge, const double x[3
 
 /* Moves x away from the plane that it is the least inside of, among the wedge's, while that helps, by `step` and
    less; where x sees all faces, so does the place that it moves to. */
-static void pbwfill__climb(pbwfill__work *w, int wedge, double x[3], double step, int tries)
+static void pbwfill__climb(pbwfill__work *w, int wedge, double x[PBWFILL__PLACE], double step, int tries)
 {
-    const int seen = pbwfill__sees_all(w, wedge, x);
-    double n[3], m[3], y[3], depth;
-    int k;
+    double n[3], m[3], y[PBWFILL__PLACE] = { 0, 0, 0, 0 }, depth;
+    int k, seen;
+    pbwfill__round(w, x);
+    seen = pbwfill__sees_all(w, wedge, x);
     pbwfill__find_normals(w, wedge);
     depth = pbwfill__depth(w, wedge, x, n);
     while (tries-- > 0) {
@@ -2859,6 +3264,7 @@ static void pbwfill__climb(pbwfill__work *w, int wedge, double x[3], double step
         for (k = 0; k < 3; k++) {
             y[k] = x[k] + step * n[k];
         }
+        pbwfill__round(w, y);
         other = pbwfill__depth(w, wedge, y, m);
         if (other > depth && (!seen || pbwfill__sees_all(w, wedge, y))) {
             depth = other;
@@ -2870,8 +3276,41 @@ static void pbwfill__climb(pbwfill__work *w, int wedge, double x[3], double step
     }
 }
 
-/* Finds a place in the wedge from which all of its faces are seen.  Returns 0 if there is none. */
-static int pbwfill__find_place(pbwfill__work *w, const pbwfill__wedge *wedge, double x[3])
+/* Finds a place in the wedge from which all of its faces are seen, where no triple of doubles is, as near to
+   `from` as need be.  Returns 0 if there is none, or memory is short: then w->starved. */
+static int pbwfill__find_fine_place(pbwfill__work *w, const pbwfill__wedge *wedge, double step,
+                                    double x[PBWFILL__PLACE])
+{
+    const double *d = wedge->inward;
+    pbwfill__rest none;
+    int k, i, tries, found = 0;
+    memset(&none, 0, sizeof none);
+    none.ends[0] = none.ends[1] = PBW_NONE;
+    x[3] = (double)w->rests.count;
+    w->slack = w->reach;
+    w->starved = !PBW_PUSH(&w->memory, w->rests, none);
+    for (tries = 0; tries < 100 && !w->starved && !found; tries++, step /= 2) {
+        for (k = 0; k < 3; k++) {
+            double parts[8];
+            pbwfill__sum n;
+            n.part = parts;
+            n.count = 0;
+            for (i = 2; i >= 0; i--) {
+                pbwfill__add(&n, wedge->rest.part[k][i]);
+            }
+            pbwfill__add(&n, wedge->from[k]);
+            pbwfill__add(&n, pbwfill__is_in_range(step * d[k]) ? step * d[k] : 0);
+            pbwfill__split_parts(&n, x + k, w->rests.at[w->rests.count - 1].part[k]);
+        }
+        found = pbwfill__sees_all(w, wedge->number, x);
+    }
+    w->rests.count -= !w->starved && !found;
+    return found;
+}
+
+/* Finds a place in the wedge from which all of its faces are seen.  Returns 0 if there is none, or memory is short:
+   then w->starved. */
+static int pbwfill__find_place(pbwfill__work *w, const pbwfill__wedge *wedge, double x[PBWFILL__PLACE])
 {
     const double *p = wedge->from, *d = wedge->inward;
     const double length = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
@@ -2888,12 +3327,13 @@ static int pbwfill__find_place(pbwfill__work *w, const pbwfill__wedge *wedge, do
         for (k = 0; k < 3; k++) {
             x[k] = p[k] + step * d[k] / length;
         }
+        pbwfill__round(w, x);
         if (pbwfill__sees_all(w, wedge->number, x)) {
             pbwfill__climb(w, wedge->number, x, step, 24);
             return 1;
         }
     }
-    return 0;
+    return length > 0 && w->has_rests && pbwfill__find_fine_place(w, wedge, reach / length, x);
 }
 
 /* The direction from v into a wedge: the sum of the normals of its two sides. */
@@ -3010,11 +3450,12 @@ static pbw_status pbwfill__fill_wedge(pbwfill__work *w, const pbwfill__wedge *we
     pbwfill__indices floor = { NULL, 0, 0 };
     pbw_status status = faces == PBW_NONE ? PBW_ERROR_MEMORY : hub == PBW_NONE ? PBW_DEGENERATE
                       : pbwfill__join(w, wedge->number, hub);
-    double x[3];
+    double x[PBWFILL__PLACE] = { 0, 0, 0, 0 };
     if (status == PBW_DEGENERATE && faces <= wedge->wrapped && wedge->region != PBW_NONE) {
         w->made.count = base;
         status = pbwfill__wrap(w, wedge->number, base + 3 * faces + 30, &floor);
     }
+    w->starved = 0;
     if (status == PBW_DEGENERATE && wedge->may_add && wedge->region != PBW_NONE && pbwfill__find_place(w, wedge, x)) {
         w->made.count = base;
         if (!pbwfill__new_vertex(w, x)) {
@@ -3023,6 +3464,7 @@ static pbw_status pbwfill__fill_wedge(pbwfill__work *w, const pbwfill__wedge *we
         w->sign.at[w->sign.count - 1] = 1;
         status = pbwfill__join(w, wedge->number, (pbw_index)(pbwfill__vertices(w) - 1));
     }
+    status = w->starved ? PBW_ERROR_MEMORY : status;
     while (status == PBW_OK && w->made_region.count < w->made.count) {
         status = PBW_PUSH(&w->memory, w->made_region, wedge->region) ? PBW_OK : PBW_ERROR_MEMORY;
     }
@@ -3050,6 +3492,7 @@ static pbw_status pbwfill__remove(pbwfill__work *w, pbwfill__star *star, int *do
         return PBW_ERROR_MEMORY;
     }
     memcpy(wedge.from, pbwfill__at(w, star->v), sizeof wedge.from);
+    wedge.rest = w->rests.at[(size_t)pbwfill__at(w, star->v)[3]];
     wedge.v = star->v;
     wedge.wrapped = star->wrapped;
     wedge.may_add = star->a != PBW_NONE;
@@ -3172,7 +3615,7 @@ typedef struct pbwfill__flats {
 /* On which side of u-v x is, in the facet at work; left: positive. */
 static int pbwfill__left(const pbwfill__work *w, const pbwfill__flats *f, pbw_index u, pbw_index v, pbw_index x)
 {
-    return f->turn * pbwfill__turn(pbwfill__at(w, u), pbwfill__at(w, v), pbwfill__at(w, x), f->axis);
+    return f->turn * pbwfill__turn(w, pbwfill__at(w, u), pbwfill__at(w, v), pbwfill__at(w, x), f->axis);
 }
 
 /* The part to the left of u-v, PBW_NONE if there is none. */
@@ -3193,8 +3636,8 @@ static void pbwfill__see(const pbwfill__work *w, pbwfill__flats *f, pbw_index fa
 {
     const pbw_index *c = w->corners.at + 3 * (size_t)w->members.at[w->facet_first.at[facet]];
     f->facet = facet;
-    f->axis = pbwfill__axis_of(pbwfill__at(w, c[0]), pbwfill__at(w, c[1]), pbwfill__at(w, c[2]));
-    f->turn = pbwfill__turn(pbwfill__at(w, c[0]), pbwfill__at(w, c[1]), pbwfill__at(w, c[2]), f->axis);
+    f->axis = pbwfill__axis_of(w, pbwfill__at(w, c[0]), pbwfill__at(w, c[1]), pbwfill__at(w, c[2]));
+    f->turn = pbwfill__turn(w, pbwfill__at(w, c[0]), pbwfill__at(w, c[1]), pbwfill__at(w, c[2]), f->axis);
 }
 
 /* Notes the part's sides. */
@@ -3369,9 +3812,7 @@ static pbw_status pbwfill__flip(pbwfill__work *w, pbwfill__flats *f, pbw_index a
         return PBW_ERROR_MEMORY;
     }
     pbwfill__normal(w, to[0].v, wedge.inward);
-    for (k = 0; k < 3; k++) {
-        wedge.from[k] = (pbwfill__at(w, a)[k] + pbwfill__at(w, b)[k]) / 2;
-    }
+    pbwfill__between_exactly(pbwfill__at(w, a), pbwfill__at(w, b), 0.5, wedge.from, &wedge.rest);
     wedge.v = b;
     wedge.wrapped = PBWFILL__WRAPPED;
     wedge.may_add = 1;
@@ -3770,7 +4211,7 @@ static int pbwfill__add_ring(pbwfill__work *w, int turned)
 
 /* Adds the tetrahedra behind faces that the place x does not see to the cavity; u: the vertex at x, or PBW_NONE.
    Returns 0 if facets are in the way, or without memory. */
-static int pbwfill__grow(pbwfill__work *w, pbw_index u, const double x[3])
+static int pbwfill__grow(pbwfill__work *w, pbw_index u, const double x[PBWFILL__PLACE])
 {
     size_t i;
     unsigned k, j;
@@ -3785,7 +4226,7 @@ static int pbwfill__grow(pbwfill__work *w, pbw_index u, const double x[3])
                 c[j] = j == k ? x : pbwfill__at(w, t->v[j]);
             }
             if (pbwfill__corner_of(t, u) < 4 || (!wall && w->seen.at[n] == w->epoch)
-                || pbw_orient3(c[0], c[1], c[2], c[3]) > 0) {
+                || pbwfill__orient3(w, c[0], c[1], c[2], c[3]) > 0) {
                 continue;
             }
             if (wall || w->cavity.count >= PBWFILL__STAR) {
@@ -3830,7 +4271,8 @@ static pbw_status pbwfill__replace_inside(pbwfill__work *w, size_t first, int *d
 
 /* Fills the cavity, and what has to be added to it, from the vertex u, or a new one if that is PBW_NONE, at x.
    *done: 0 if that fails. */
-static pbw_status pbwfill__join_grown(pbwfill__work *w, pbw_index u, const double x[3], size_t first, int *done)
+static pbw_status pbwfill__join_grown(pbwfill__work *w, pbw_index u, const double x[PBWFILL__PLACE], size_t first,
+                                      int *done)
 {
     pbw_status status;
     w->made.count = w->made_region.count = 0;
@@ -3873,7 +4315,7 @@ static pbw_status pbwfill__remove_wide(pbwfill__work *w, pbwfill__star *star, si
     for (pair = 0; pair < 2; pair++) {
         for (i = 0; i < star->polygon.count && !*done && status == PBW_OK && effort < PBWFILL__EFFORT; i++) {
             const pbw_index u = star->polygon.at[i];
-            double x[3];
+            double x[PBWFILL__PLACE];
             if (pair && u < first) {
                 continue;
             }
@@ -3883,6 +4325,7 @@ static pbw_status pbwfill__remove_wide(pbwfill__work *w, pbwfill__star *star, si
             }
             effort += w->cavity.count;
             if (pair) {
+                x[3] = 0;
                 for (k = 0; k < 3; k++) {
                     x[k] = (x[k] + pbwfill__at(w, v)[k]) / 2;
                 }
@@ -3971,15 +4414,15 @@ static pbw_status pbwfill__make_exact(pbwfill__work *w)
    ------------------------------------------------------------------------------------------------------ */
 typedef struct pbwfill__inside {
     pbwfill__work *w;
-    PBW_ARRAY(double) sizes;               /* of each vertex: edges wanted there, in units of the grid */
+    PBW_ARRAY(double) sizes;               /* of each vertex: edges wanted there, in units of vertices */
     pbwfill__indices now, next;            /* tetrahedra of this round and of the next */
     size_t wires;
 } pbwfill__inside;
 
-/* A length of the caller's in units of the grid. */
+/* A length of the caller's in units of vertices. */
 static double pbwfill__in_units(const pbwfill__work *w, double length)
 {
-    return pbwfill__scaled(length, -w->exponent) / w->unit;
+    return pbwfill__scaled(length, -w->exponent);
 }
 
 /* Gives vertices of facets the mean length of the edges of facets at them, others the least of what grows from
@@ -4153,7 +4596,7 @@ static size_t pbwfill__trim_cavity(pbwfill__work *w, const double *p)
                 for (j = 0; j < 4; j++) {
                     c[j] = j == k ? p : pbwfill__at(w, w->tets.at[t].v[j]);
                 }
-                if (pbwfill__ends_at(w, t, k) && pbw_orient3(c[0], c[1], c[2], c[3]) <= 0) {
+                if (pbwfill__ends_at(w, t, k) && pbwfill__orient3(w, c[0], c[1], c[2], c[3]) <= 0) {
                     w->seen.at[t] = w->epoch + 1;
                     changes = 1;
                 }
@@ -4260,16 +4703,18 @@ static pbw_status pbwfill__try_place(pbwfill__inside *in, pbw_index t, const dou
 {
     pbwfill__work *w = in->w;
     const pbw_index vertex = (pbw_index)pbwfill__vertices(w), region = w->region.at[t];
-    double p[3], size;
+    const double *low = pbwfill__at(w, (pbw_index)w->inputs), *high = pbwfill__at(w, (pbw_index)w->inputs + 7);
+    double p[PBWFILL__PLACE] = { 0, 0, 0, 0 }, size;
     size_t i, faces;
     unsigned k, j;
     *taken = 0;
     for (k = 0; k < 3; k++) {
-        if (!(fabs(wanted[k]) < ldexp(1, 31))) {
+        if (!(wanted[k] > low[k] && wanted[k] < high[k])) {
             return PBW_OK;
         }
         p[k] = floor(wanted[k] * 1024 + 0.5) / 1024;
     }
+    pbwfill__round(w, p);
     t = pbwfill__reach(w, t, p);
     if (t == PBW_NONE) {
         return PBW_OK;
@@ -4404,133 +4849,13 @@ static pbw_status pbwfill__add_inside(pbwfill__work *w)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   >>places       Points back from the grid to the caller's places.
-   In: tetrahedra with regions, positive on the grid.  Out: those that are kept are positive in the caller's
-   coordinates, which `x` has then.
+   >>places       Points on edges at doubles.
+   In: tetrahedra with regions, positive.  Out: vertices without rests.
    Tetrahedra that are positive, linked, and bounded by the facets cover what these enclose once, so that signs are
-   all that there is to check.
+   all that there is to check.  A vertex with a rest goes to the doubles nearest to it, or to some near these from
+   which all of its tetrahedra are positive; else those that turn are filled again, with some around.
    ------------------------------------------------------------------------------------------------------ */
 enum { PBWFILL__CAVITIES = 10 };           /* of a turned tetrahedron: those around its edges, then rings around it */
-
-/* What points go back to the grid by, and the tetrahedra that the work begins with. */
-typedef struct pbwfill__backup {
-    pbwfill__doubles grid;                 /* 3 a vertex: its place on the grid, in the caller's coordinates */
-    PBW_ARRAY(unsigned char) kept;         /* of each vertex: it stays on the grid; above 1: since the last
-                                              beginning, 2 and the number of rings to what failed */
-    PBW_ARRAY(pbwfill__tet) tets;          /* none while no tetrahedron had to be filled again */
-    pbwfill__indices unused, region;
-    pbwfill__indices failed;               /* tetrahedra that are not positive with all of their points on the grid */
-} pbwfill__backup;
-
-static int pbwfill__list_grid(pbwfill__work *w, pbwfill__backup *b)
-{
-    size_t i;
-    if (!PBW_FIT(&w->memory, b->grid, w->x.count) || !PBW_ZEROS(&w->memory, b->kept, w->x.count / 3)) {
-        return 0;
-    }
-    b->grid.count = w->x.count;
-    for (i = 0; i < w->x.count; i += 3) {
-        pbwfill__place(w, w->x.at + i, b->grid.at + i);
-    }
-    return 1;
-}
-
-/* Moves points of the input to the caller's places, but for those that are kept, and points on edges between them to
-   the edge. */
-static void pbwfill__leave_grid(pbwfill__work *w, const pbwfill__backup *b)
-{
-    double *x = w->x.at;
-    const double *grid = b->grid.at;
-    size_t i, k;
-    memcpy(x, grid, w->x.count * sizeof *x);
-    for (i = 0; i < w->inputs; i++) {
-        memcpy(x + 3 * i, b->kept.at[i] ? grid + 3 * i : w->input->points + 3 * i, 3 * sizeof *x);
-    }
-    for (i = 0; i < w->pieces.count; i++) {
-        const pbwfill__piece *piece = w->pieces.at + i;
-        const size_t v = 3 * (size_t)piece->b, p = 3 * (size_t)piece->ends[0], q = 3 * (size_t)piece->ends[1];
-        const double t = (double)piece->to * ldexp(1, -PBWFILL__STEPS);
-        if (piece->b >= w->inputs && !b->kept.at[piece->b]
-            && (pbwfill__differ(x + p, grid + p) || pbwfill__differ(x + q, grid + q))) {
-            for (k = 0; k < 3; k++) {
-                x[v + k] = (1 - t) * x[p + k] + t * x[q + k];
-            }
-        }
-    }
-}
-
-/* Copies the tetrahedra.  Returns 0 without memory. */
-static int pbwfill__back_up(pbwfill__work *w, pbwfill__backup *b)
-{
-    if (!PBW_FIT(&w->memory, b->tets, w->tets.count) || !PBW_FIT(&w->memory, b->region, w->tets.count)
-        || !PBW_FIT(&w->memory, b->unused, w->unused.count + 1)) {
-        return 0;
-    }
-    memcpy(b->tets.at, w->tets.at, w->tets.count * sizeof *b->tets.at);
-    memcpy(b->region.at, w->region.at, w->tets.count * sizeof *b->region.at);
-    if (w->unused.count > 0) {
-        memcpy(b->unused.at, w->unused.at, w->unused.count * sizeof *b->unused.at);
-    }
-    b->tets.count = w->tets.count;
-    b->unused.count = w->unused.count;
-    return 1;
-}
-
-/* Takes the copy back, and drops the vertices that were added since. */
-static void pbwfill__begin_again(pbwfill__work *w, pbwfill__backup *b)
-{
-    const size_t vertices = b->kept.count;
-    memcpy(w->tets.at, b->tets.at, b->tets.count * sizeof *b->tets.at);
-    memcpy(w->region.at, b->region.at, b->tets.count * sizeof *b->region.at);
-    if (b->unused.count > 0) {
-        memcpy(w->unused.at, b->unused.at, b->unused.count * sizeof *b->unused.at);
-    }
-    w->tets.count = w->seen.count = w->region.count = b->tets.count;
-    w->unused.count = b->unused.count;
-    b->grid.count = w->x.count = 3 * vertices;
-    w->at.count = w->touched.count = w->beyond.count = w->sign.count = w->seen_vertex.count = vertices;
-}
-
-/* Keeps the points of tetrahedra that failed on the grid, and all of so many rings of tetrahedra around these.
-   Returns how many it keeps more.  A tetrahedron of the copy is as it is with all points on the grid; another one was
-   positive when it was made, so that one of its points has moved since. */
-static size_t pbwfill__keep(pbwfill__work *w, pbwfill__backup *b, size_t rings)
-{
-    size_t i, k, ring, more = 0, before;
-    for (i = 0; i < b->kept.count; i++) {
-        b->kept.at[i] = b->kept.at[i] > 0;
-    }
-    for (i = 0; i < b->failed.count; i++) {
-        const size_t t = b->failed.at[i];
-        const pbw_index *v = w->tets.at[t].v;
-        if (t < b->tets.count && memcmp(v, b->tets.at[t].v, sizeof w->tets.at[t].v) == 0) {
-            continue;
-        }
-        for (k = 0; k < 4; k++) {
-            if (v[k] < b->kept.count && !b->kept.at[v[k]]) {
-                b->kept.at[v[k]] = 2;
-                more++;
-            }
-        }
-    }
-    for (ring = 0, before = 0; ring < rings && more > before; ring++) {
-        before = more;
-        for (i = 0; i < b->tets.count; i++) {
-            const pbw_index *v = b->tets.at[i].v;
-            int near = 0;
-            for (k = 0; k < 4 && v[0] != PBW_NONE; k++) {
-                near |= b->kept.at[v[k]] >= 2 && b->kept.at[v[k]] <= 2 + ring;
-            }
-            for (k = 0; k < 4 && near; k++) {
-                if (!b->kept.at[v[k]]) {
-                    b->kept.at[v[k]] = (unsigned char)(3 + ring);
-                    more++;
-                }
-            }
-        }
-    }
-    return more;
-}
 
 /* Adds the tetrahedra around the edge a-b of t, up to walls.  Returns 0 without memory. */
 static int pbwfill__add_around(pbwfill__work *w, pbw_index t, pbw_index a, pbw_index b)
@@ -4591,7 +4916,26 @@ static int pbwfill__next_cavity(pbwfill__work *w, pbw_index t, int number, doubl
     return 1;
 }
 
-/* Whether all vertices of the cavity are in tetrahedra made. */
+/* Takes added vertices off `rest` that are on no face of the cavity, and so may be dropped. */
+static void pbwfill__drop_inner(pbwfill__work *w)
+{
+    size_t i, kept = 0;
+    for (i = 0; i < w->rest.count; i++) {
+        w->touched.at[w->rest.at[i]] = 0;
+    }
+    for (i = 0; i < 3 * w->faces.count; i++) {
+        w->touched.at[w->faces.at[i / 3].v[i % 3]] = 1;
+    }
+    for (i = 0; i < w->rest.count; i++) {
+        const pbw_index u = w->rest.at[i];
+        if (w->touched.at[u] || u < w->inputs + 8) {
+            w->rest.at[kept++] = u;
+        }
+    }
+    w->rest.count = kept;
+}
+
+/* Whether all vertices of `rest` are in tetrahedra made. */
 static int pbwfill__made_of_all(pbwfill__work *w)
 {
     size_t i;
@@ -4612,7 +4956,7 @@ static int pbwfill__made_of_all(pbwfill__work *w)
 }
 
 /* Joins the cavity's faces to a new vertex within, looked for from x on. */
-static pbw_status pbwfill__join_inside(pbwfill__work *w, pbwfill__doubles *grid, double x[3])
+static pbw_status pbwfill__join_inside(pbwfill__work *w, double x[PBWFILL__PLACE])
 {
     double reach = 0;
     size_t i;
@@ -4623,24 +4967,22 @@ static pbw_status pbwfill__join_inside(pbwfill__work *w, pbwfill__doubles *grid,
     if (!pbwfill__sees_all(w, 1, x)) {
         return PBW_DEGENERATE;
     }
-    if (!pbwfill__new_vertex(w, x) || !PBW_RESERVE(&w->memory, *grid, 3)) {
+    if (!pbwfill__new_vertex(w, x)) {
         return PBW_ERROR_MEMORY;
     }
-    memcpy(grid->at + grid->count, x, 3 * sizeof *x);
-    grid->count += 3;
     w->sign.at[w->sign.count - 1] = 1;
     return pbwfill__join(w, 1, (pbw_index)(pbwfill__vertices(w) - 1));
 }
 
 /* Fills a turned tetrahedron and some around it again.  *done: whether that is possible. */
-static pbw_status pbwfill__mend(pbwfill__work *w, pbw_index t, pbwfill__doubles *grid, int *done)
+static pbw_status pbwfill__mend(pbwfill__work *w, pbw_index t, int *done)
 {
     pbwfill__indices floor = { NULL, 0, 0 };         /* stays empty */
     pbw_status status = PBW_OK;
     int tries;
     *done = 0;
     for (tries = 0; tries < 2 * PBWFILL__CAVITIES && !*done && status == PBW_OK; tries++) {
-        double middle[3];
+        double middle[PBWFILL__PLACE] = { 0, 0, 0, 0 };
         if (!pbwfill__next_cavity(w, t, tries % PBWFILL__CAVITIES, middle)) {
             return PBW_ERROR_MEMORY;
         }
@@ -4648,8 +4990,9 @@ static pbw_status pbwfill__mend(pbwfill__work *w, pbw_index t, pbwfill__doubles 
             continue;
         }
         w->made.count = 0;
+        pbwfill__drop_inner(w);
         status = tries < PBWFILL__CAVITIES ? pbwfill__wrap(w, 1, 3 * w->faces.count + 30, &floor)
-               : pbwfill__join_inside(w, grid, middle);
+               : pbwfill__join_inside(w, middle);
         if (status == PBW_OK && pbwfill__made_of_all(w)) {
             *done = 1;
             status = pbwfill__replace(w, PBW_NONE, &floor);
@@ -4670,71 +5013,88 @@ static pbw_status pbwfill__note_turned(void *arg, size_t from, size_t to)
     return PBW_OK;
 }
 
-/* Fills turned tetrahedra again; where that fails, their points go back to the grid. */
-static pbw_status pbwfill__mend_all(pbwfill__work *w, pbwfill__backup *b)
+/* Moves v, which was rounded, so that all of its tetrahedra are positive, if there is such a place: anywhere inside,
+   or, at facets and wires, within 2^-42 of the largest coordinate.  Returns 0 without memory. */
+static int pbwfill__shift(pbwfill__work *w, pbw_index v)
 {
-    pbw_status status = PBW_OK;
-    size_t i, k, changes = 1;
-    while (changes > 0 && status == PBW_OK) {
-        const size_t count = w->tets.count;
-        changes = b->failed.count = 0;
-        status = !PBW_FIT(&w->memory, w->noted, count) ? PBW_ERROR_MEMORY
-               : pbw_for(pbwfill__inner_options(w), count, PBWFILL__GRAIN, pbwfill__note_turned, w);
-        for (i = 0; i < count && status == PBW_OK; i++) {
-            int done = 0;
-            if (!w->noted.at[i] || !pbwfill__is_turned(w, i)) {
-                continue;
-            }
-            if (b->tets.count == 0 && !pbwfill__back_up(w, b)) {
-                return PBW_ERROR_MEMORY;
-            }
-            status = pbwfill__tick(w, 1) ? PBW_CANCELLED : pbwfill__mend(w, (pbw_index)i, &b->grid, &done);
-            for (k = 0; k < 4 && !done && status == PBW_OK && pbwfill__is_turned(w, i); k++) {
-                const size_t v = 3 * (size_t)w->tets.at[i].v[k];
-                changes += (size_t)pbwfill__differ(w->x.at + v, b->grid.at + v);
-                memcpy(w->x.at + v, b->grid.at + v, 3 * sizeof *w->x.at);
-            }
-            if (!done && status == PBW_OK && !PBW_PUSH(&w->memory, b->failed, (pbw_index)i)) {
-                return PBW_ERROR_MEMORY;
-            }
+    double *at = w->x.at + PBWFILL__PLACE * (size_t)v, x[PBWFILL__PLACE], reach = 0;
+    size_t i;
+    unsigned j;
+    int free = 1;
+    if (!pbwfill__open_star(w, v)) {
+        return 0;
+    }
+    w->faces.count = 0;
+    for (i = 0; i < w->cavity.count; i++) {
+        const pbwfill__tet *t = w->tets.at + w->cavity.at[i];
+        const unsigned k = pbwfill__corner_of(t, v);
+        pbw_index face[3];
+        face[0] = t->v[PBW_FACET_CORNER(k, 2)];
+        face[1] = t->v[PBW_FACET_CORNER(k, 1)];
+        face[2] = t->v[PBW_FACET_CORNER(k, 0)];
+        free &= !pbwfill__has_wire(w, t);
+        for (j = 0; j < 3; j++) {
+            reach = fmax(reach, pbwfill__distance(at, pbwfill__at(w, face[j])));
+            free &= t->wall[PBW_FACET_CORNER(k, j)] == PBW_NONE;
+        }
+        if (w->region.at[w->cavity.at[i]] != PBW_NONE && !pbwfill__add_face(w, face, 0, 1, PBW_NONE, PBW_NONE)) {
+            return 0;
         }
     }
-    for (i = k = 0; i < b->failed.count; i++) {      /* others may be filled again with them */
-        b->failed.at[k] = b->failed.at[i];
-        k += (size_t)pbwfill__is_turned(w, b->failed.at[i]);
+    memcpy(x, at, sizeof x);
+    pbwfill__climb(w, 1, x, free ? reach / 4 : ldexp(fmax(fmax(fabs(x[0]), fabs(x[1])), fabs(x[2])), -48), 60);
+    if (pbwfill__sees_all(w, 1, x)) {
+        memcpy(at, x, sizeof x);
     }
-    b->failed.count = k;
+    return 1;
+}
+
+/* Makes turned tetrahedra positive, or fills them again.  Counts in *mended those that it could, in *left others. */
+static pbw_status pbwfill__mend_all(pbwfill__work *w, size_t vertices, size_t *mended, size_t *left)
+{
+    const size_t count = w->tets.count;
+    pbw_status status = !PBW_FIT(&w->memory, w->noted, count) ? PBW_ERROR_MEMORY
+                      : pbw_for(pbwfill__inner_options(w), count, PBWFILL__GRAIN, pbwfill__note_turned, w);
+    size_t i, k;
+    *mended = *left = 0;
+    for (i = 0; i < count && status == PBW_OK; i++) {
+        int done = 0;
+        if (!w->noted.at[i] || !pbwfill__is_turned(w, i)) {
+            continue;
+        }
+        for (k = 0; k < 4 && !done; k++) {
+            const pbw_index v = w->tets.at[i].v[k];
+            if (v >= w->inputs + 8 && v < vertices && !pbwfill__shift(w, v)) {
+                return PBW_ERROR_MEMORY;
+            }
+            done = !pbwfill__is_turned(w, i);
+        }
+        status = pbwfill__tick(w, 1) ? PBW_CANCELLED : done ? PBW_OK : pbwfill__mend(w, (pbw_index)i, &done);
+        *mended += (size_t)done;
+        *left += (size_t)!done;
+    }
     return status;
 }
 
 static pbw_status pbwfill__find_places(pbwfill__work *w)
 {
-    enum { SINGLE = 4, RINGS = 127 };      /* beginnings after which only points that fail are kept; most rings */
-    pbwfill__backup b;
-    pbw_status status;
-    size_t begins = 0, rings = 0, more = 1;
-    memset(&b, 0, sizeof b);
-    status = pbwfill__list_grid(w, &b) ? PBW_OK : PBW_ERROR_MEMORY;
+    const size_t vertices = pbwfill__vertices(w);
+    pbw_status status = PBW_OK;
+    size_t i, mended = 0, left = 1;
     w->made_region.count = 0;
     memset(w->sign.at, 1, w->sign.count);            /* one side only */
-    while (more > 0 && status == PBW_OK) {
-        pbwfill__leave_grid(w, &b);
-        status = pbwfill__mend_all(w, &b);
-        more = status == PBW_OK ? pbwfill__keep(w, &b, rings) : 0;
-        if (more > 0) {
-            pbwfill__begin_again(w, &b);
-        }
-        if (++begins >= SINGLE && rings < RINGS) {
-            rings = 2 * rings + 1;
+    for (i = w->inputs + 8; i < vertices; i++) {
+        double *x = w->x.at + PBWFILL__PLACE * i;
+        if (x[3] > 0 && w->at.at[i] != PBW_NONE) {
+            pbwfill__round(w, x);
+            x[3] = 0;
+            mended++;
         }
     }
-    w->report->flat_tets = b.failed.count;
-    PBW_RELEASE(&w->memory, b.grid);
-    PBW_RELEASE(&w->memory, b.kept);
-    PBW_RELEASE(&w->memory, b.tets);
-    PBW_RELEASE(&w->memory, b.unused);
-    PBW_RELEASE(&w->memory, b.region);
-    PBW_RELEASE(&w->memory, b.failed);
+    while (mended > 0 && left > 0 && status == PBW_OK) {
+        status = pbwfill__mend_all(w, vertices, &mended, &left);
+        w->report->flat_tets = left;
+    }
     return status;
 }
 
@@ -4800,8 +5160,7 @@ static int pbwfill__number(pbwfill__work *w, pbwfill__result *r, pbwfill__indice
     r->regions.count = tets;
     for (i = 0; i < count; i++) {
         if (point->at[i] != PBW_NONE) {
-            memcpy(r->points.at + 3 * (size_t)point->at[i], w->x.at + 3 * i, 3 * sizeof *w->x.at);
-            w->report->rounded += i < w->inputs && pbwfill__differ(w->x.at + 3 * i, w->input->points + 3 * i);
+            pbwfill__place(w, pbwfill__at(w, (pbw_index)i), r->points.at + 3 * (size_t)point->at[i]);
             w->report->inner_points += i >= w->inputs + 8;
             r->original.at[point->at[i]] = i < w->inputs ? (pbw_index)i : PBW_NONE;
         }
@@ -5004,6 +5363,7 @@ static pbw_status pbwfill__improve(pbwfill__work *w, pbwfill__result *r, const p
 static pbw_status pbwfill__write(pbwfill__work *w, pbw_filled *filled)
 {
     pbwfill__indices tet = { NULL, 0, 0 }, point = { NULL, 0, 0 };
+    pbwfill__doubles points = { NULL, 0, 0 };
     pbw_surface surface;
     pbwfill__result *r = (pbwfill__result *)pbw_memory_resize(&w->memory, NULL, 0, 1, sizeof *r);
     pbw_status status = PBW_OK;
@@ -5015,7 +5375,8 @@ static pbw_status pbwfill__write(pbwfill__work *w, pbw_filled *filled)
     pbw_memory_start(&r->memory, w->caller);
     r->memory.limit = w->memory.limit == 0 ? 0 : pbw_memory_left(&w->memory);
     if (w->report->facets + w->report->doubles + w->report->collapsed < w->corners.count / 3) {
-        status = pbw_surface_create(w->x.at, w->inputs, w->corners.at, w->corners.count / 3,
+        status = !pbwfill__pack(w, &points) ? PBW_ERROR_MEMORY
+               : pbw_surface_create(points.at, w->inputs, w->corners.at, w->corners.count / 3,
                                     pbwfill__inner_options(w), &surface);
     }
     if (status == PBW_OK && !pbwfill__number(w, r, &tet, &point)) {
@@ -5025,6 +5386,7 @@ static pbw_status pbwfill__write(pbwfill__work *w, pbw_filled *filled)
         pbwfill__copy(w, r, &surface, &tet, &point);
     }
     pbw_surface_free(&surface);
+    PBW_RELEASE(&w->memory, points);
     PBW_RELEASE(&w->memory, tet);
     pbwfill__hand_over(r, filled);
     if (status == PBW_OK) {
@@ -5056,7 +5418,7 @@ PBWDEF const char *pbw_fill_refusal(int refusal)
     case PBW_FILL_CROSSING: return "triangles or segments cross, or touch elsewhere than in common corners and edges";
     case PBW_FILL_FLAT: return "a triangle has no area";
     case PBW_FILL_OPEN: return "the surface is open: a triangle bounds no region";
-    case PBW_FILL_TOO_FINE: return "too fine against the box: edges need points that doubles cannot hold";
+    case PBW_FILL_TOO_FINE: return "too fine against the box: magnitudes differ by more than doubles hold";
     case PBW_FILL_POINTS_LEFT: return "filled, but points are left on edges of the surface";
     case PBW_FILL_SEED: return "a seed lies on the surface, beyond the box, or in the region of another one";
     default: return "unknown";
@@ -5096,6 +5458,7 @@ static void pbwfill__release(pbwfill__work *w)
 {
     pbw_memory *m = &w->memory;
     PBW_RELEASE(m, w->x);
+    PBW_RELEASE(m, w->rests);
     PBW_RELEASE(m, w->canonical);
     PBW_RELEASE(m, w->tets);
     PBW_RELEASE(m, w->unused);
@@ -5128,22 +5491,11 @@ static void pbwfill__release(pbwfill__work *w)
     PBW_RELEASE(m, w->made_region);
 }
 
-/* Drops what was done, for another grid. */
-static void pbwfill__change_grid(pbwfill__work *w)
-{
-    pbw_fill_report report;
-    memset(&report, 0, sizeof report);
-    memcpy(report.seconds, w->report->seconds, sizeof report.seconds);
-    *w->report = report;
-    pbwfill__release(w);
-    w->tries++;
-}
-
 static pbw_status pbwfill__run(pbwfill__work *w, pbw_filled *filled)
 {
     typedef pbw_status stage(pbwfill__work *);
     static const struct { const char *name; stage *run; double to; } stages[] = {
-        { "grid", pbwfill__make_vertices, 0.02 }, { "triangulate", pbwfill__triangulate, 0.2 },
+        { "vertices", pbwfill__make_vertices, 0.02 }, { "triangulate", pbwfill__triangulate, 0.2 },
         { "edges", pbwfill__find_edges, 0.25 }, { "crossings", pbwfill__check_crossings, 0.3 },
         { "segments", pbwfill__recover_segments, 0.6 }, { "facets", pbwfill__recover_facets, 0.7 },
         { "regions", pbwfill__find_regions, 0.75 }, { "exact", pbwfill__make_exact, 0.85 },
@@ -5154,11 +5506,6 @@ static pbw_status pbwfill__run(pbwfill__work *w, pbw_filled *filled)
     w->since = clock();
     for (i = 0; i < 9 && status == PBW_OK; i++) {
         status = pbwfill__begin(w, i, stages[i].name, stages[i].to) ? PBW_CANCELLED : stages[i].run(w);
-        if (status == PBW_DEGENERATE && w->report->refusal == PBW_FILL_TOO_FINE && w->tries < PBWFILL__LEVELS) {
-            pbwfill__change_grid(w);
-            status = PBW_OK;
-            i = -1;
-        }
     }
     status = status != PBW_OK ? status : pbwfill__find_places(w);
     status = status != PBW_OK ? status : pbwfill__write(w, filled);

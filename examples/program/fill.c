@@ -73,10 +73,6 @@ static void report_on(const job *j, const pbw_filled *f, const pbw_fill_report *
         report_line(j, "left out: %zu face%s with the corners of another, %zu with two corners at one place",
                     COUNT(r->doubles), r->collapsed);
     }
-    if (r->rounded > 0) {
-        report_line(j, "%zu point%s moved by 2^-30 of the box at most: no tetrahedra were found around their places",
-                    COUNT(r->rounded));
-    }
     if (r->refusal == PBW_FILL_POINTS_LEFT) {
         warn(j, "%zu point%s left on edges, the first on face %lu", COUNT(r->fault_count),
              (unsigned long)r->faults[0][0]);
