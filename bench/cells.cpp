@@ -153,7 +153,8 @@ static void run(int dim, size_t count, int rounds, unsigned order, int kind)
 #endif
     }
     const double n = static_cast<double>(count), b = build.median();
-    std::printf("%dD, %zu points, %s, %s\n", dim, count, input_name(kind), order != 0 ? "curve order" : "random order");
+    std::printf("%dD, %zu points, %s, %s\n", dim, count, input_name(kind),
+                order != 0 ? "curve order" : "random order");
     line("build (B)", b, b, n);
     line("volumes, centroids", volumes.median(), b, n);
     line("volumes, centroids, facets", facets.median(), b, n);
@@ -170,7 +171,8 @@ static void run(int dim, size_t count, int rounds, unsigned order, int kind)
     }
     if (!rival.all.empty()) {
         line("voro++: volumes, centroids", rival.median(), b, n);
-        std::printf("  its sum is off by %.1e; its time / that of build, volumes, centroids: %.1f\n", other / whole - 1,
+        std::printf("  its sum is off by %.1e; its time / that of build, volumes, centroids: %.1f\n",
+                    other / whole - 1,
                     rival.median() / (b + volumes.median()));
     }
 }

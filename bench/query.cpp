@@ -194,7 +194,9 @@ template <int dim, class triangulation> void run(std::size_t n, unsigned flags, 
     const auto other = with::points(points);
     const triangulation theirs(other.begin(), other.end());
     std::snprintf(name, sizeof name, "%dD locate, batch", dim);
-    row(name, n, { 2, 0, dim == 3 ? 0.6 : 0 }, [&] { pbw_locate(&mesh, queries.data(), n, &options, found.data(), nullptr); }, "CGAL", [&] {
+    row(name, n, { 2, 0, dim == 3 ? 0.6 : 0 }, [&] {
+        pbw_locate(&mesh, queries.data(), n, &options, found.data(), nullptr);
+    }, "CGAL", [&] {
         auto sorted = with::points(queries);
         CGAL::spatial_sort(sorted.begin(), sorted.end());
         auto at = theirs.locate(sorted[0]);

@@ -1,10 +1,10 @@
 /* disks.c: the Voronoi diagram of disks, with curved edges: each place belongs to the disk with the nearest boundary.
    cc -O2 -I. -Iexamples/lib examples/disks.c -o disks -lpthread -lm
    Prints expected/disks.txt; the exit status is 1 if an edge is off by more than the stated error.
-   Approximated by the Voronoi cells of points on the circles: a disk has the cells of its points.  From a place outside
-   a disk of radius r the nearest of its n points is farther than its circle by at most half the step, pi r / n, as the
-   circle's nearest place has a point that close.  So on an edge of the approximation the two distances differ by at
-   most the larger of both errors. */
+   Approximated by the Voronoi cells of points on the circles: a disk has the cells of its points.  From a place
+   outside a disk of radius r the nearest of its n points is farther than its circle by at most half the step,
+   pi r / n, as the circle's nearest place has a point that close.  So on an edge of the approximation the two
+   distances differ by at most the larger of both errors. */
 #define PBW_IMPLEMENTATION
 #include "pbw.h"
 #define PBW_CELLS_IMPLEMENTATION

@@ -92,9 +92,9 @@ static void print_report(const pbwm_report *r, int ranks, double read)
            "%.1f bytes a point, imbalance %.3f, %.0f given up, memory %.0f bytes an own point, tiles busy %.2f to "
            "%.2f (mean %.2f) s; seconds: read %.2f, partition %.2f, trees %.2f, halo %.2f, build %.2f, rounds %.2f, "
            "leftovers %.2f, links %.2f, write %.2f\n", ranks, ranks == 1 ? "" : "s", (double)r->resumed,
-           (double)r->points, (double)r->simplices, (unsigned long long)r->hash, 100 * (double)r->halo / points, (double)r->rounds,
-           (double)r->sent_bytes / points, (double)r->largest * ranks / points, (double)r->given_up,
-           (double)r->memory * ranks / points, r->busy[0], r->busy[2], r->busy[1], read,
+           (double)r->points, (double)r->simplices, (unsigned long long)r->hash, 100 * (double)r->halo / points,
+           (double)r->rounds, (double)r->sent_bytes / points, (double)r->largest * ranks / points,
+           (double)r->given_up, (double)r->memory * ranks / points, r->busy[0], r->busy[2], r->busy[1], read,
            t[0], t[1], t[2], t[3], t[4], t[5], t[6], t[7]);
 }
 

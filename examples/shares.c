@@ -4,7 +4,7 @@
 #include "steps.h"
 
 enum { THREADS = 4 };
-static int thread[COUNT], last = 1;                 /* the one that tried to insert it; the number of the last point */
+static int thread[COUNT], last = 1;                 /* that tried to insert it; the number of the last point */
 
 /* A thread inserts a point if all corners of the cavity are in its cells; it takes those that are nobody's.  Cavities
    of two threads then have no corner in common, and each stays what it is whatever the other does. */

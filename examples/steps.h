@@ -1,5 +1,5 @@
-/* steps.h: what steps.c and shares.c have in common: points along a Hilbert curve, the triangulation of those that are
-   in, the walk to a point and its cavity, and pictures side by side in one SVG file. */
+/* steps.h: what steps.c and shares.c have in common: points along a Hilbert curve, the triangulation of those that
+   are in, the walk to a point and its cavity, and pictures side by side in one SVG file. */
 #ifndef STEPS_H
 #define STEPS_H
 #define PBW_IMPLEMENTATION

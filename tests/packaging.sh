@@ -272,10 +272,10 @@ for file in pbw.h examples/lib/pbw_check.h examples/lib/pbw_query.h examples/lib
     check "$file includes no stdio.h, and never prints, exits or aborts" sh -c \
         "! sed '1,/^\*\//d' $file | grep -nE '# *include <stdio|\\<(printf|puts|exit|abort|assert|longjmp)\\> *\\('"
 done
-# (Lines of the help of commands are what they print.)
-check "no line of pbw.h, the headers behind it, pbw_cuda.cu and the program is over 118 columns" sh -c \
-    "! awk 'length > 118 && !/^ *\".*n\"\$/ { print FILENAME, FNR }' pbw.h examples/lib/pbw_check.h \
-        examples/lib/pbw_query.h examples/lib/pbw_live.h pbw_cuda.cu examples/program/*.[ch] | grep ."
+# (Lines of the help of commands, and of pages inside headers, are what they print.)
+check "no line of the headers, the program, the examples and the Python package is over 118 columns" sh -c \
+    "! LC_ALL=C awk 'length > 118 && !/^ *\".*\",?\$/ { print FILENAME, FNR }' pbw.h pbw_cuda.cu examples/*.[ch]* \
+        examples/*/*.[ch] examples/python/*.py examples/python/pbw/*.py bench/*.cpp | grep ."
 # Functions stay small.  A function starts in column 1, in pbw_cuda.cu perhaps with its template parameters,
 # and ends with a } there; names of the interface are exempt from the limit of parameters.
 cat > "$work/functions.awk" << 'END'

@@ -948,8 +948,8 @@ static size_t pbwa2__find_border(const double *points, pbwa2__side *side, size_t
             side[kept++] = side[i];
         } else if (side[i].u == side[i + 1].u || (i + 2 < count && pbwa2__compare(side + i, side + i + 2) == 0)) {
             const double *u = pbwa2__at(points, side[i].u), *v = pbwa2__at(points, side[i].v);
-            snprintf(plane->what, sizeof plane->what, "two triangles are on one side of the edge from (%.9g, %.9g) to "
-                     "(%.9g, %.9g)", u[0], u[1], v[0], v[1]);
+            snprintf(plane->what, sizeof plane->what, "two triangles are on one side of the edge from (%.9g, %.9g) "
+                     "to (%.9g, %.9g)", u[0], u[1], v[0], v[1]);
             return SIZE_MAX;
         } else {
             ++*shared;

@@ -1688,8 +1688,8 @@ static void pbwio__point(pbwio__reader *r)
 
 /* ------------------------------------------------------------------------------------------------------
    >>elements     Elements and their groups; the end of a cloud.
-   In: corners of elements, tags and names of groups.  Out: the elements and groups of the cloud; a cloud without them.
-   Holds: an array of groups, where there is one, has as much room as the array of its elements.
+   In: corners of elements, tags and names of groups.  Out: the elements and groups of the cloud; a cloud without
+   them.  Holds: an array of groups, where there is one, has as much room as the array of its elements.
    ------------------------------------------------------------------------------------------------------ */
 
 /* The groups of elements of a dimension, or of points; NULL: none is in a group. */

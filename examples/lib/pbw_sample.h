@@ -58,8 +58,8 @@
                  makes sense, otherwise a status names them
      quiet       no globals, nothing printed, no exit
      bounded     memory_limit holds in every call.  Memory: about 75 bytes a triangle, 110 for a volume, 260 if its
-                 surface is open; and for each sample 65 if uniform or in a lattice, 470 in a Poisson set of a surface,
-                 2400 of a volume
+                 surface is open; and for each sample 65 if uniform or in a lattice, 470 in a Poisson set of a
+                 surface, 2400 of a volume
 
    CONFIGURATION MACROS
      PBW_SAMPLE_IMPLEMENTATION   in one source file: compile the implementation there
@@ -347,8 +347,8 @@ static int pbwsample__weld(pbw_memory *memory, const pbwsample_model *model, pbw
     return done;
 }
 
-/* Counts how often triangles run along each edge, into a table: there, and 65536 times back, each 3 at most.  Fills in
-   what the report says of triangles and points.  share: of the progress. */
+/* Counts how often triangles run along each edge, into a table: there, and 65536 times back, each 3 at most.  Fills
+   in what the report says of triangles and points.  share: of the progress. */
 static pbw_status pbwsample__count_edges(pbw_memory *memory, const pbwsample_model *model, const pbw_options *options,
                                          double share, pbwsample__table *edges, pbwsample_report *report)
 {
@@ -1536,7 +1536,7 @@ static void pbwsample__make_set(pbwsample__work *w)
     w->drawn = w->chunks.count = w->balls.count = 0;
     w->levels = 0;
     pbwsample__free_table(w->memory, &w->cells);
-    if (pbwsample__enter(w->memory, &w->cells, 0) == NULL) {                    /* so that there are slots to look into */
+    if (pbwsample__enter(w->memory, &w->cells, 0) == NULL) {                    /* so that there are slots */
         w->status = PBW_ERROR_MEMORY;
     }
     for (i = 0; i < w->fixed && w->status == PBW_OK; i++) {

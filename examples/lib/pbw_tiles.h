@@ -183,8 +183,8 @@ typedef struct pbwt_facet {                /* ids ascending, in the plane the la
 
 typedef struct pbwt_tile pbwt_tile;
 typedef struct pbwt_options {
-    pbw_options build;                     /* threads, resize, progress, backend ... of a tile; memory_limit: of a tile
-                                              and its tree */
+    pbw_options build;                     /* threads, resize, progress, backend ... of a tile; memory_limit: of a
+                                              tile and its tree */
     double halo;                           /* width in spacings; 0 = 1.5, below 0 = none */
     int weighted;                          /* 1: regular triangulation */
     double questions;                      /* a round and own point at most: else, as on surfaces, all points asked

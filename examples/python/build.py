@@ -44,8 +44,8 @@ def _header(name="pbw.h", folder=""):
 
 
 def _headers():
-    names = ("pbw_check.h", "pbw_query.h", "pbw_live.h", "pbw_cells.h", "pbw_mesh2.h", "pbw_adapt2.h", "pbw_surface.h",
-             "pbw_improve.h", "pbw_mesh3.h", "pbw_fill.h", "pbw_wrap.h")
+    names = ("pbw_check.h", "pbw_query.h", "pbw_live.h", "pbw_cells.h", "pbw_mesh2.h", "pbw_adapt2.h",
+             "pbw_surface.h", "pbw_improve.h", "pbw_mesh3.h", "pbw_fill.h", "pbw_wrap.h")
     return (_header(), *(_header(name, os.path.join("examples", "lib")) for name in names))
 
 

@@ -3,7 +3,7 @@
 #include <stdio.h>
 
 /* The cells of points in a box, which repeats along axes, or with NULL in the whole space, by a GPU: volumes and
-   centroids, and with facets first, neighbors and areas; for pbw_python_gpu_free.  message: why it fails, in words. */
+   centroids, and with facets first, neighbors and areas; for pbw_python_gpu_free.  message: why it fails. */
 #ifdef PBW_CUDA
 int pbw_python_gpu_cells(const arrays *a, const double *box, unsigned axes, int facets, pbw_cells *cells,
                          char *message, size_t size)

@@ -61,7 +61,8 @@ int pbw_python_coordinates(const arrays *a, const double *queries, size_t count,
     return (int)pbw_coordinates(&mesh, queries, count, (pbw_scheme)scheme, &options, lists);
 }
 
-/* box and lattice: NULL = the whole space.  periodic: bits of axes.  In a box or a lattice only the points of the arrays count. */
+/* box and lattice: NULL = the whole space.  periodic: bits of axes.  In a box or a lattice only the points of the
+   arrays count. */
 int pbw_python_cells(const arrays *a, const double *box, const double *lattice, unsigned periodic, unsigned what,
                      pbw_cells *cells)
 {

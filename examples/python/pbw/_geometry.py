@@ -58,8 +58,8 @@ def longest_edges(points, simplices):
 def radii(points, weights, simplices):
     """The radius of the sphere that is orthogonal to the balls of the corners of each simplex, the circumscribed one
     without weights; infinite where the simplex is flat.  Its centre c, seen from the first corner, is where
-    e . c = (|e|^2 + w0 - w) / 2 for each edge e from there to a corner of weight w: Cramer's rule, in the plane with a
-    third edge across.  Edges are scaled to 1, so that no square is out of range."""
+    e . c = (|e|^2 + w0 - w) / 2 for each edge e from there to a corner of weight w: Cramer's rule, in the plane with
+    a third edge across.  Edges are scaled to 1, so that no square is out of range."""
     count, dim = len(simplices), points.shape[1]
     edge = np.zeros((count, 3, 3))
     edge[:, :dim, :dim] = points[simplices[:, 1:]] - points[simplices[:, :1]]

@@ -48,10 +48,10 @@ def triangulate(data, options="", *, split_crossings=False, most=50e6, smooth=No
     smooth     "laplace", "lloyd" or "odt": then vertices on no segment move to better places, `rounds` times
     Returns a dictionary: vertices, vertex_markers, triangles; vertex_attributes if data has them, linear in the
     triangles of the domain, with r in those of data, at vertices that are new or have moved; with p or r segments and
-    segment_markers; with A triangle_attributes, and with r if data has them; with e edges, with n neighbors.  A marker
-    of a vertex is its own; else that of the first of its segments that has one; else 1 on the boundary, or 0.  If data
-    has no markers, all on segments have 1.  Raises pbw.Error if nothing is enclosed; ValueError for more than `most`
-    triangles of refinement, before work if areas ask for them.
+    segment_markers; with A triangle_attributes, and with r if data has them; with e edges, with n neighbors.  A
+    marker of a vertex is its own; else that of the first of its segments that has one; else 1 on the boundary, or 0.
+    If data has no markers, all on segments have 1.  Raises pbw.Error if nothing is enclosed; ValueError for more than
+    `most` triangles of refinement, before work if areas ask for them.
     """
     given = _switches(options)
     if "vertices" not in data:
@@ -132,7 +132,8 @@ def _nothing_enclosed(points, segments, split):
         return _errors.Error("nothing is enclosed: holes, or rings that lie on each other, take all; the switch c "
                              "triangulates all")
     return _errors.Error("nothing is enclosed: segments end where no other goes on, at %s%s; close the outline, or "
-                         "the switch c triangulates all" % (", ".join(ends[:4]), " and so on" if len(ends) > 4 else ""))
+                         "the switch c triangulates all"
+                         % (", ".join(ends[:4]), " and so on" if len(ends) > 4 else ""))
 
 
 def _interpolated(attributes, points, segments, places, split, triangles):

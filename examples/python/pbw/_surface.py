@@ -27,8 +27,8 @@ class SurfaceFaults:
     """What is wrong with a surface; true if anything is.
 
     Corners are compared by place: triangles may have points of their own.  Of points at one place the first is named.
-    crossings (k, 2): triangles that meet elsewhere than in common corners and edges, exactly; segments (k, 2, 3): what
-    the two have in common, from one point to another, rounded.
+    crossings (k, 2): triangles that meet elsewhere than in common corners and edges, exactly; segments (k, 2, 3):
+    what the two have in common, from one point to another, rounded.
     flat: triangles without area.  duplicates (k, 2): a triangle, and the first one with the same corners.
     edges (k, 2): without exactly two triangles, one each way round; edge_triangles: how many each has: 1, open; 2,
     turned alike; or more.

@@ -100,9 +100,9 @@ class _FillInput(ctypes.Structure):
 class _FillOptions(ctypes.Structure):
     """pbw_fill_options."""
     _fields_ = [*((name, ctypes.c_int) for name in ("conforming", "split_flat", "nested", "outside")),
-                ("most", _size), ("size", _double), *_pointers("size_at size_user"), ("growth", _double), ("ratio", _double),
-                ("volume", _double), *_pointers("volumes"), ("volume_count", _size), ("improve", _ImproveOptions),
-                *_pointers("stage")]
+                ("most", _size), ("size", _double), *_pointers("size_at size_user"), ("growth", _double),
+                ("ratio", _double), ("volume", _double), *_pointers("volumes"), ("volume_count", _size),
+                ("improve", _ImproveOptions), *_pointers("stage")]
 
 
 class _FillReport(ctypes.Structure):
@@ -364,8 +364,8 @@ def solid(vertices, faces, size=0, target=30, feature_angle=40, rounds=0, patche
     size: length of edges, 0 = 1/40 of the diagonal, or a function of a point (x, y, z).  Of that the largest value at
     the vertices and at 729 places in their box is the longest edge; infinite ones count as 1/40 of the diagonal.
     They are shorter in thin walls, and with curvature=c at most c radii of curvature, but not below least_size;
-    around=n, edges around a circle, is curvature=2 pi / n.  They grow by at most gradation, 0 = 0.35, for each unit of
-    length.  region_sizes, {number: length}: the same in regions of these numbers.
+    around=n, edges around a circle, is curvature=2 pi / n.  They grow by at most gradation, 0 = 0.35, for each unit
+    of length.  region_sizes, {number: length}: the same in regions of these numbers.
     rounds of adding points, at most; 0 = 16, or 24 where tips need them.
     Edges of the surface that bend by more than feature_angle degrees are kept, and those between faces of different
     patches, a whole number or a name a face.  sharp: which of the edges that bend are kept, "all", "some", "none" or
@@ -442,8 +442,8 @@ def solid(vertices, faces, size=0, target=30, feature_angle=40, rounds=0, patche
     if thrown:
         raise thrown[0]
     if status == _errors.DEGENERATE:
-        raise _errors.Error("nothing is inside of the surface: it is an open sheet, or mostly holes, which close=True "
-                            "closes, or thinner than the size")
+        raise _errors.Error("nothing is inside of the surface: it is an open sheet, or mostly holes, which "
+                            "close=True closes, or thinner than the size")
     if status:
         raise _errors.from_status(status, _library.pbw_status_string(status).decode(), vertices, None)
     return made
@@ -461,9 +461,9 @@ def fill(vertices, faces, numbers=None, segments=None, seeds=None, seed_regions=
     seeds (k, 3): places in regions; seed_regions, their whole numbers, -1 = a hole.  Else what is inside of an odd
     number of shells is kept, with nested=True all that is enclosed, and with outside=True a box around it, too.
     Points inside, if one of these is given; at faces tetrahedra may be larger or slimmer, see report["too_large"] and
-    report["too_slim"]: size, the length of edges, a number or a function of a point (x, y, z), else that of the faces'
-    edges, which grows by gradation (0.3) a unit of distance; ratio (2), of circumscribed radius by shortest edge;
-    volume of a tetrahedron, a number or a dictionary with one for each of seed_regions that has a bound.
+    report["too_slim"]: size, the length of edges, a number or a function of a point (x, y, z), else that of the
+    faces' edges, which grows by gradation (0.3) a unit of distance; ratio (2), of circumscribed radius by shortest
+    edge; volume of a tetrahedron, a number or a dictionary with one for each of seed_regions that has a bound.
     target: degrees, dihedral angles inside are raised to it as far as the faces let it, in `seconds` if not 0.
     seed_regions may be names, "" = a hole; then the regions are names, too, and "" where no seed is.
 
