@@ -865,6 +865,7 @@ typedef struct pbwsf__search {
     PBW_ARRAY(pbwsf__node) nodes;          /* of the tree: node i has the children 2 i + 1 and 2 i + 2 */
     PBW_ARRAY(pbwsf__node) arcs;           /* the same for the directions from the apex to the sides across */
     PBW_ARRAY(pbwsf__slab) slabs;          /* per leaf */
+    size_t first_node;                     /* of a level */
     size_t first_leaf, node_count;         /* node first_leaf + j has the triangles 4 j .. 4 j + 3 of items; nodes
                                               from node_count on are not there: they would have none */
     double least;                          /* see pbwsf__side_of */
@@ -1853,12 +1854,23 @@ static void pbwsf__fill_node(const pbwsf__search *s, size_t i, pbwsf__node *node
     }
 }
 
+/* Fills a range of nodes of one level, which begins at first_node. */
+static pbw_status pbwsf__node_range(void *arg, size_t from, size_t to)
+{
+    const pbwsf__search *s = (const pbwsf__search *)arg;
+    for (; from < to; from++) {
+        pbwsf__fill_node(s, s->first_node + from, s->nodes.at);
+        pbwsf__fill_node(s, s->first_node + from, s->arcs.at);
+    }
+    return PBW_OK;
+}
+
 /* Makes the tree of the triangles that may meet. */
 static pbw_status pbwsf__plant(pbwsf__search *s)
 {
     const size_t leaves = (s->items.count + PBWSF__LEAF - 1) / PBWSF__LEAF;
     pbw_status status = PBW_ERROR_MEMORY;
-    size_t i, most = 1;
+    size_t most = 1;
     while (most < leaves) {
         most *= 2;
     }
@@ -1868,9 +1880,9 @@ static pbw_status pbwsf__plant(pbwsf__search *s)
         && PBW_FIT(s->memory, s->slabs, leaves + 1)) {
         status = pbw_for(pbwsf__next_part(s, 0.05, 0), leaves, 4096, pbwsf__leaf_range, s);
     }
-    for (i = s->first_leaf; i-- > 0 && status == PBW_OK;) {
-        pbwsf__fill_node(s, i, s->nodes.at);
-        pbwsf__fill_node(s, i, s->arcs.at);
+    for (most /= 2; most > 0 && status == PBW_OK; most /= 2) {           /* levels, the last one first */
+        s->first_node = most - 1;
+        status = pbw_for(pbwsf__next_part(s, 0, 0), most, 4096, pbwsf__node_range, s);
     }
     return status;
 }
