@@ -2,12 +2,17 @@
    wraps.h: soups, flat and repeated elements, points and segments; cavities, alpha by place, shells and the alpha
    that closes them; good tetrahedra in wraps; refusals; the same bytes for every number of threads; sound after every
    failure. */
+#include <time.h>
+
+static clock_t test_time(void);
+#define clock test_time                              /* the headers' time is what a test says */
 #define PBW_SURFACE_IMPLEMENTATION
 #include "pbw_surface.h"
 #define PBW_IMPROVE_IMPLEMENTATION
 #include "pbw_improve.h"
 #define PBW_WRAP_IMPLEMENTATION
 #include "pbw_wrap.h"
+#undef clock
 #include "meter.h"
 #include "test.h"
 #include "watch.h"
@@ -340,9 +345,16 @@ static void fill_open(void)
     pbw_tets_free(&mesh);
 }
 
+static clock_t time_now;                             /* what test_time returns; it advances by one tick a call */
+
+static clock_t test_time(void)
+{
+    return time_now++;
+}
+
 typedef struct slow {                                /* progress that lets the time pass in a stage */
-    const char *stage;
-    double until;                                    /* as clock() */
+    const char *stage, *last;
+    double seconds;                                  /* that pass in the stage "improve" */
     double done;
     int fell;
 } slow;
@@ -353,8 +365,10 @@ static int pass_time(void *user, pbw_stage stage, double done)
     (void)stage;
     t->fell |= done < t->done;
     t->done = done;
-    while (t->stage != NULL && strcmp(t->stage, "improve") == 0 && (double)clock() < t->until) {
+    if (t->stage != NULL && t->stage != t->last && strcmp(t->stage, "improve") == 0) {
+        time_now += (clock_t)(t->seconds * CLOCKS_PER_SEC);
     }
+    t->last = t->stage;
     return 0;
 }
 
@@ -367,7 +381,6 @@ static void fill_late(void)
     pbw_options options;
     pbw_tets mesh;
     slow t;
-    const double start = (double)clock();
     memset(&s, 0, sizeof s);
     memset(&t, 0, sizeof t);
     memset(&how, 0, sizeof how);
@@ -375,13 +388,14 @@ static void fill_late(void)
     add_sphere(&s, 1, 1);
     how.size = 0.5;
     how.stage = &t.stage;
+    how.seconds = 100;
+    options.threads = 1;
     options.progress = pass_time;
     options.progress_user = &t;
     CHECK_EQUAL(pbw_wrap_solid(&s.in, &how, &options, &mesh, &r), PBW_OK);
     CHECK(!r.late && r.after[0] >= 0 && t.done > 0.99 && !t.fell && strcmp(t.stage, "measure") == 0);
     pbw_tets_free(&mesh);
-    how.seconds = 0.05 + 3 * ((double)clock() - start) / CLOCKS_PER_SEC;
-    t.until = (double)clock() + 1.2 * how.seconds * CLOCKS_PER_SEC;
+    t.seconds = 101;
     t.done = 0;
     CHECK_EQUAL(pbw_wrap_solid(&s.in, &how, &options, &mesh, &r), PBW_OK);
     CHECK(r.late && r.before[0] > 0 && !(r.after[0] >= 0) && mesh.tet_count > 100);
@@ -567,6 +581,76 @@ static void refuse(void)
     CHECK_EQUAL(pbw_wrap(&in, &how, NULL, NULL, NULL), PBW_ERROR_ARGUMENT);
 }
 
+/* All functions refuse the input with these options. */
+static void check_wrong(const pbw_wrap_input *in, const pbw_wrap_solid_options *how, pbw_status status)
+{
+    static const double x[9] = { 0, 0, 0, 1, 0, 0, 0, 1, 0 };
+    static const pbw_index ids[] = { 0, 1, 2 };
+    pbw_wrap_result w;
+    pbw_tets mesh;
+    double distance[2];
+    CHECK_EQUAL(pbw_wrap(in, &how->wrap, NULL, &w, NULL), status);
+    CHECK(w.memory == NULL && w.facet_count == 0);
+    CHECK_EQUAL(pbw_wrap_solid(in, how, NULL, &mesh, NULL), status);
+    CHECK(mesh.memory == NULL && mesh.tet_count == 0);
+    CHECK_EQUAL(pbw_wrap_distance(in, x, 3, ids, 1, NULL, distance), status);
+}
+
+/* Arrays that are not there, counts that nothing can have, numbers that are none. */
+static void refuse_wrong(void)
+{
+    static const double x[9] = { 0, 0, 0, 1, 0, 0, 0, 1, 0 }, wrong[] = { -1, -HUGE_VAL, NAN };
+    static const pbw_index ids[] = { 0, 1, 2 };
+    const size_t huge[] = { PBW_NONE, (size_t)-1, (size_t)-1 / 3 + 1 };
+    pbw_wrap_input good, in;
+    pbw_wrap_solid_options how;
+    pbw_tets mesh;
+    double distance[2];
+    size_t i, k;
+    memset(&good, 0, sizeof good);
+    memset(&how, 0, sizeof how);
+    good.points = x;
+    good.point_count = 3;
+    good.triangles = good.segments = good.singles = ids;
+    good.triangle_count = good.segment_count = good.single_count = 1;
+    for (i = 0; i < 4; i++) {
+        in = good;
+        *(i == 0 ? (const void **)&in.points : i == 1 ? (const void **)&in.triangles
+          : i == 2 ? (const void **)&in.segments : (const void **)&in.singles) = NULL;
+        check_wrong(&in, &how, PBW_ERROR_ARGUMENT);
+    }
+    for (i = 0; i < 3; i++) {
+        for (k = 0; k < 3; k++) {
+            in = good;
+            *(i == 0 ? &in.triangle_count : i == 1 ? &in.segment_count : &in.single_count) = huge[k];
+            check_wrong(&in, &how, PBW_ERROR_TOO_LARGE);
+        }
+        for (k = 0; k < 9; k++) {
+            double *const number[] = { &how.wrap.alpha, &how.wrap.offset, &how.wrap.fill, &how.wrap.most,
+                                       &how.wrap.seconds, &how.size, &how.target, &how.seconds };
+            pbw_wrap_result w;
+            memset(&how, 0, sizeof how);
+            if (k < 8) {
+                *number[k] = wrong[i];
+                CHECK_EQUAL(pbw_wrap_solid(&good, &how, NULL, &mesh, NULL), PBW_ERROR_ARGUMENT);
+            } else {
+                how.wrap.seed_count = 1;
+            }
+            if (k < 5 || k == 8) {
+                CHECK_EQUAL(pbw_wrap(&good, &how.wrap, NULL, &w, NULL), PBW_ERROR_ARGUMENT);
+            }
+        }
+        memset(&how, 0, sizeof how);
+    }
+    CHECK_EQUAL(pbw_wrap_distance(NULL, x, 3, ids, 1, NULL, distance), PBW_ERROR_ARGUMENT);
+    CHECK_EQUAL(pbw_wrap_distance(&good, NULL, 3, ids, 1, NULL, distance), PBW_ERROR_ARGUMENT);
+    CHECK_EQUAL(pbw_wrap_distance(&good, x, 3, NULL, 1, NULL, distance), PBW_ERROR_ARGUMENT);
+    CHECK_EQUAL(pbw_wrap_distance(&good, x, 3, ids, 0, NULL, distance), PBW_ERROR_ARGUMENT);
+    CHECK_EQUAL(pbw_wrap_distance(&good, x, 2, ids, 1, NULL, distance), PBW_ERROR_ARGUMENT);
+    CHECK_EQUAL(pbw_wrap_distance(&good, x, 3, ids, 1, NULL, NULL), PBW_ERROR_ARGUMENT);
+    CHECK_EQUAL(pbw_wrap_solid(NULL, &how, NULL, &mesh, NULL), PBW_ERROR_ARGUMENT);
+}
+
 /* ---- threads, memory, cancelling ---- */
 
 static uint64_t hash_of(uint64_t hash, const void *at, size_t bytes)
@@ -623,12 +707,14 @@ static int count_questions(void *user, pbw_stage stage, double done)
     return 0;
 }
 
-/* Passes over all tetrahedra, of which there are eight once it is carved, ask after each 1,024 of them. */
+/* Carving asks before each 16 verdicts.  Passes over all tetrahedra, of which there are eight once it is carved, ask
+   after each 1,024 of them. */
 static void ask_often(void)
 {
     static shape s;
     pbw_wrap_options how;
     pbw_wrap_result w;
+    pbw_wrap_report r;
     pbw_options options;
     asked a = { 0, 0 };
     memset(&s, 0, sizeof s);
@@ -639,8 +725,9 @@ static void ask_often(void)
     options.threads = 1;
     options.progress = count_questions;
     options.progress_user = &a;
-    CHECK_EQUAL(pbw_wrap(&s.in, &how, &options, &w, NULL), PBW_OK);
+    CHECK_EQUAL(pbw_wrap(&s.in, &how, &options, &w, &r), PBW_OK);
     test_say("%zu tetrahedra: %ld questions, then %ld", w.tet_count, a.before, a.after);
+    CHECK((size_t)a.before > (r.crossings + r.projections + r.carved) / 32);
     CHECK(w.tet_count > 10000 && (size_t)a.after > 8 * w.tet_count / 1024);
     pbw_wrap_free(&w);
 }
@@ -815,7 +902,8 @@ int main(int argc, char **argv)
         { "solids of closed models", fill_closed }, { "solids of open models", fill_open },
         { "solids: the time is over", fill_late }, { "solids: failures", fail_solids },
         { "alpha by place", wrap_by_place }, { "nearest elements", find_elements }, { "vertices inside", fill },
-        { "refusals", refuse }, { "threads", run_threads }, { "memory and cancelling", fail_everywhere },
+        { "refusals", refuse }, { "wrong arguments", refuse_wrong }, { "threads", run_threads },
+        { "memory and cancelling", fail_everywhere },
         { "questions while it numbers", ask_often },
         { "faults are seen", see_faults }
     };

@@ -20,7 +20,7 @@
      >>oracle       places at the offset, tetrahedra that meet elements
      >>centres      centres of cells, radii of gates
      >>cavity       a point is inserted
-     >>carve        gates in rounds: verdicts on all threads, then what they ask for
+     >>carve        gates in rounds: verdicts, and vertices with cavities that are apart, on all threads
      >>manifold     tetrahedra that make each vertex's star one fan
      >>fill         vertices inside
      >>result       the arrays of the caller
@@ -45,8 +45,9 @@
    3. Else it is carved.
    Vertices are inserted by exact signs, so that the triangulation is Delaunay.  New vertices are at least the offset
    from all others, so it ends.
-   Gates are taken in rounds: their verdicts are computed on all threads, each from its two tetrahedra alone, and are
-   carried out in order.
+   Gates are taken in rounds.  All threads compute verdicts, each from its two tetrahedra alone, and cavities of new
+   vertices.  Then one thread settles, in order, which cavities are apart from those before them; all threads fill
+   these, and the other vertices wait for the next round.
 
    PROMISES  (tests/test_wrap.c guards them)
      encloses    no facet meets an element, and all elements are inside: a tetrahedron is carved only where separating
@@ -149,7 +150,8 @@ typedef struct pbw_wrap_report {
 
 /* Wraps elements; how, options and report may be NULL.  wrap: overwritten, left empty on failure.  Of options, it
    uses threads, run, resize, memory_limit and progress (PBW_STAGE_WORK).  Returns PBW_ERROR_ARGUMENT for ids out of
-   range and lengths below zero or above 1e100, PBW_ERROR_NOT_FINITE, a status of report.refusal, or what
+   range, arrays that are NULL with a count above 0, numbers below zero or NaN and lengths above 1e100,
+   PBW_ERROR_NOT_FINITE, PBW_ERROR_TOO_LARGE for more than 2^32 / 3 elements, a status of report.refusal, or what
    pbw_triangulate and pbw_surface_create fail with. */
 PBWDEF pbw_status pbw_wrap(const pbw_wrap_input *input, const pbw_wrap_options *how, const pbw_options *options,
                            pbw_wrap_result *wrap, pbw_wrap_report *report);
@@ -217,7 +219,7 @@ PBW_CONTRACTION_OFF                        /* fused operations would give other 
 /* ------------------------------------------------------------------------------------------------------
    >>work         The work in progress: cells, gates.
    Holds: the cells are the Delaunay triangulation of x; a cell is inside until it is carved; a free slot has
-   corner[0] = PBW_NONE and next[0] = the free slot after it; born tells a cell from earlier ones in its slot.
+   corner[0] = PBW_NONE; born tells a cell from earlier ones in its slot.
    ------------------------------------------------------------------------------------------------------ */
 enum {
     PBWWR__BOX = 8,                        /* corners of the box */
@@ -225,6 +227,7 @@ enum {
     PBWWR__ROUND = 4096,                   /* gates of a round, at most */
     PBWWR__FEW = 64,                       /* gates for one thread alone */
     PBWWR__GRAIN = 16,                     /* verdicts that a thread takes at a time */
+    PBWWR__MOST = 48,                      /* cells of a cavity that is found on all threads */
     PBWWR__STEP = 1024,                    /* items of a pass between two questions whether it is cancelled */
     PBWWR__SAMPLE = 4096                   /* facets that are looked at for what is behind them, about */
 };
@@ -242,7 +245,7 @@ typedef struct pbwwr__cell {
     pbw_index corner[4], next[4];          /* positively oriented; next: as in pbw_mesh */
     double centre[3];
     pbw_index born;
-    unsigned char carved, meets, known;    /* meets: does it meet an element?; known: is there a centre? */
+    unsigned char carved, meets;           /* meets: does it meet an element? */
 } pbwwr__cell;
 
 typedef struct pbwwr__gate {
@@ -251,13 +254,22 @@ typedef struct pbwwr__gate {
     unsigned facet;
 } pbwwr__gate;
 
-typedef struct pbwwr__verdict {
+typedef struct pbwwr__verdict {            /* small: the serial part of a round reads all of them */
     pbwwr__gate gate;
     pbw_index from, from_born;             /* the carved cell, PBW_NONE outside of the box */
-    int rule;
-    unsigned char meets;
-    double place[3];
+    unsigned char rule, meets, waits;      /* rule 0: none; waits: for the next round */
+    unsigned count, outer;                 /* cells in conflict with the place, 0: more than PBWWR__MOST; their outer
+                                              facets, 0: nothing is inserted yet */
+    pbw_index point, birth;                /* that is inserted; of its first cell */
+    size_t first;                          /* of `born`, where its cells are */
+    double place[4];                       /* rules 1 and 2; rule 3: radii of the gates at the cell's facets */
 } pbwwr__verdict;
+
+typedef struct pbwwr__cavity {             /* of a verdict */
+    pbw_index star[PBWWR__MOST];           /* cells in conflict with the place */
+    pbw_index around[2 * PBWWR__MOST + 2]; /* beyond their outer facets, of which n cells have at most 2 n + 2, or at
+                                              them if there is nothing beyond */
+} pbwwr__cavity;
 
 typedef struct pbwwr__work {
     pbw_memory memory;
@@ -277,12 +289,17 @@ typedef struct pbwwr__work {
     size_t artificial;                     /* points of box and seeds: the first ones */
     PBW_ARRAY(pbwwr__cell) cells;          /* count: slots in use, free ones included */
     size_t alive;
-    pbw_index free, births;
+    pbw_index births;
+    pbwsf__indices spare;                  /* free slots, with room for all */
+    pbwsf__indices marks;                  /* per point: as visited */
     pbwsf__indices visited, star;          /* per slot, the last search; cells of a search */
-    pbwsf__indices born;                   /* cells of an insertion */
-    pbw_index visit;
+    pbwsf__indices born;                   /* cells of insertions */
+    pbw_index visit;                       /* visited: visit, in conflict; more, see the searches */
     PBW_ARRAY(pbwwr__gate) gates;          /* a heap, the largest radius first */
     PBW_ARRAY(pbwwr__verdict) verdicts;
+    PBW_ARRAY(pbwwr__cavity) cavities;     /* of the verdicts */
+    size_t kept;                           /* of the verdicts: the first ones are of the round before */
+    PBW_ARRAY(pbwwr__gate) later;          /* more gates of a round's cells */
 } pbwwr__work;
 
 static int pbwwr__progress(void *user, pbw_stage stage, double done)
@@ -596,15 +613,11 @@ static void pbwwr__corners(const pbwwr__work *w, const pbwwr__cell *cell, const 
     }
 }
 
-static const double *pbwwr__centre(const pbwwr__work *w, pbwwr__cell *cell)
+static void pbwwr__set_centre(const pbwwr__work *w, pbwwr__cell *cell)
 {
     const double *c[4];
     double u[3], v[3], t[3], uv[3], vt[3], tu[3], volume, uu, vv, tt, longest;
     int k;
-    if (cell->known) {
-        return cell->centre;
-    }
-    cell->known = 1;
     pbwwr__corners(w, cell, c);
     pbwsf__minus(c[1], c[0], u);
     pbwsf__minus(c[2], c[0], v);
@@ -619,21 +632,20 @@ static const double *pbwwr__centre(const pbwwr__work *w, pbwwr__cell *cell)
         for (k = 0; k < 3; k++) {
             cell->centre[k] = c[0][k] + (uu * vt[k] + vv * tu[k] + tt * uv[k]) / (2 * volume);
         }
-        return cell->centre;
+        return;
     }
     (void)pbw_centre(3, c, NULL, t);
     for (k = 0; k < 3; k++) {
         cell->centre[k] = c[0][k] + t[k];
     }
-    return cell->centre;
 }
 
 /* The radius of the largest ball that passes a facet: of the smallest that is centred between the centres of its two
    cells and has its corners on it. */
 static double pbwwr__radius(const pbwwr__work *w, pbw_index cell, unsigned facet)
 {
-    pbwwr__cell *to = w->cells.at + cell, *from = w->cells.at + to->next[facet];
-    const double *c[3], *near, *far;
+    const pbwwr__cell *to = w->cells.at + cell;
+    const double *c[3];
     double u[3], v[3], n[3], p[3], q[3], nn, height, depth;
     unsigned k;
     for (k = 0; k < 3; k++) {
@@ -643,13 +655,11 @@ static double pbwwr__radius(const pbwwr__work *w, pbw_index cell, unsigned facet
         }
         c[k] = w->x.at[corner];
     }
-    near = pbwwr__centre(w, to);
-    far = pbwwr__centre(w, from);
     pbwsf__minus(c[1], c[0], u);
     pbwsf__minus(c[2], c[0], v);
     pbwsf__cross(u, v, n);
-    pbwsf__minus(near, c[0], p);
-    pbwsf__minus(far, c[0], q);
+    pbwsf__minus(to->centre, c[0], p);
+    pbwsf__minus(w->cells.at[to->next[facet]].centre, c[0], q);
     nn = pbwsf__dot(n, n);
     depth = pbwsf__dot(p, n);
     height = pbwsf__dot(q, n);
@@ -660,13 +670,13 @@ static double pbwwr__radius(const pbwwr__work *w, pbw_index cell, unsigned facet
     return sqrt(pbwsf__dot(u, u) * pbwsf__dot(v, v) / nn * pbwsf__dot(q, q)) / 2;
 }
 
-/* Adds the gate, if the facet is one: of a cell that is not carved, with a carved one beyond it. */
-static int pbwwr__add_gate(pbwwr__work *w, pbw_index cell, unsigned facet)
+/* Adds the gate, if the ball passes the facet: of a cell that is not carved, with a carved one beyond it. */
+static int pbwwr__add_gate(pbwwr__work *w, pbw_index cell, unsigned facet, double radius)
 {
     const pbwwr__cell *to = w->cells.at + cell;
     pbwwr__gate gate;
     double alpha = w->alpha;
-    gate.radius = pbwwr__radius(w, cell, facet);
+    gate.radius = radius;
     gate.cell = cell;
     gate.born = to->born;
     gate.facet = facet;
@@ -701,32 +711,24 @@ static int pbwwr__conflict(const pbwwr__work *w, pbw_index cell, const double p[
          : pbw_conflict3(c[0], c[1], c[2], c[3], p, NULL);
 }
 
-static void pbwwr__free_cell(pbwwr__work *w, pbw_index cell)
+/* Takes slots for cells, which born has: in the order of their births.  Returns 0 if there is no memory. */
+static int pbwwr__take_slots(pbwwr__work *w, size_t count)
 {
-    w->cells.at[cell].corner[0] = PBW_NONE;
-    w->cells.at[cell].next[0] = w->free;
-    w->free = cell;
-    w->alive--;
-}
-
-/* Takes a slot; the cell has no centre yet, and is not carved.  Returns PBW_NONE if there is no memory. */
-static pbw_index pbwwr__new_cell(pbwwr__work *w)
-{
-    pbw_index slot = w->free;
-    if (slot != PBW_NONE) {
-        w->free = w->cells.at[slot].next[0];
-    } else if (w->cells.count < PBW_NONE - 1 && PBW_RESERVE(&w->memory, w->cells, 1)
-               && PBW_RESERVE(&w->memory, w->visited, 1)) {
-        slot = (pbw_index)w->cells.count++;
-        w->visited.at[w->visited.count++] = 0;
-    } else {
-        return PBW_NONE;
+    pbw_memory *m = &w->memory;
+    size_t more = count > w->spare.count ? count - w->spare.count : 0, i;
+    if (w->cells.count + more >= PBW_NONE || !PBW_RESERVE(m, w->born, count) || !PBW_RESERVE(m, w->cells, more)
+        || !PBW_RESERVE(m, w->visited, more) || !PBW_RESERVE(m, w->spare, w->cells.count + more - w->spare.count)) {
+        return 0;
     }
-    memset(w->cells.at + slot, 0, sizeof *w->cells.at);
-    w->cells.at[slot].born = ++w->births;
-    w->visited.at[slot] = 0;
-    w->alive++;
-    return slot;
+    for (i = 0; i < count; i++) {
+        const pbw_index slot = w->spare.count > 0 ? w->spare.at[--w->spare.count] : (pbw_index)w->cells.count++;
+        w->visited.at[slot] = 0;
+        w->born.at[w->born.count++] = slot;
+    }
+    w->visited.count = w->cells.count;
+    w->births += (pbw_index)count;
+    w->alive += count;
+    return 1;
 }
 
 static unsigned pbwwr__index_of(const pbw_index four[4], pbw_index what)
@@ -753,12 +755,14 @@ static void pbwwr__link(pbwwr__work *w, pbw_index old, unsigned i, unsigned j)
     w->cells.at[fresh].next[facet] = cell->next[j];
 }
 
-/* Fills star with the cells in conflict with p, from one that is.  Returns 0 if there is no memory. */
-static int pbwwr__find_conflicts(pbwwr__work *w, pbw_index start, const double p[3])
+/* Fills star with the cells in conflict with p, from one that is, and counts their outer facets.  Returns 0 if there
+   is no memory. */
+static int pbwwr__find_conflicts(pbwwr__work *w, pbw_index start, const double p[3], size_t *outer)
 {
     size_t i, k;
-    w->visit += 2;                                   /* visited: visit, in conflict; visit + 1, not */
+    w->visit += 3;                                   /* visited: visit, in conflict; visit + 1, not */
     w->star.count = 0;
+    *outer = 0;
     if (!PBW_PUSH(&w->memory, w->star, start)) {
         return 0;
     }
@@ -766,52 +770,51 @@ static int pbwwr__find_conflicts(pbwwr__work *w, pbw_index start, const double p
     for (i = 0; i < w->star.count; i++) {
         for (k = 0; k < 4; k++) {
             const pbw_index next = w->cells.at[w->star.at[i]].next[k];
-            if (next == PBW_NONE || w->visited.at[next] >= w->visit) {
-                continue;
-            }
-            w->visited.at[next] = w->visit + 1;
-            if (pbwwr__conflict(w, next, p) > 0) {
-                w->visited.at[next] = w->visit;
-                if (!PBW_PUSH(&w->memory, w->star, next)) {
-                    return 0;
+            if (next != PBW_NONE && w->visited.at[next] < w->visit) {
+                w->visited.at[next] = w->visit + 1;
+                if (pbwwr__conflict(w, next, p) > 0) {
+                    w->visited.at[next] = w->visit;
+                    if (!PBW_PUSH(&w->memory, w->star, next)) {
+                        return 0;
+                    }
                 }
             }
+            *outer += next == PBW_NONE || w->visited.at[next] != w->visit;
         }
     }
     return 1;
 }
 
-/* Replaces the cells of star by those that join their outer facets to point p. */
-static pbw_status pbwwr__fill_cavity(pbwwr__work *w, pbw_index p)
+/* Replaces the cells of a star, which are visited, by those that join their outer facets to point p, in the slots
+   from fresh on.  Reads and writes nothing but the star and the cells around it. */
+static void pbwwr__fill_cavity(pbwwr__work *w, const pbw_index *star, size_t count, const pbw_index *fresh,
+                               pbw_index birth, pbw_index p)
 {
     size_t i;
     unsigned k, j;
-    w->born.count = 0;
-    for (i = 0; i < w->star.count; i++) {
-        const pbw_index old = w->star.at[i];
+    for (i = 0; i < count; i++) {
+        const pbw_index old = star[i];
         for (k = 0; k < 4; k++) {
             const pbw_index next = w->cells.at[old].next[k];
-            pbw_index fresh;
             pbwwr__cell *cell;
             if (next != PBW_NONE && w->visited.at[next] == w->visit) {
                 continue;
             }
-            fresh = pbwwr__new_cell(w);
-            if (fresh == PBW_NONE || !PBW_PUSH(&w->memory, w->born, fresh)) {
-                return PBW_ERROR_MEMORY;
-            }
-            cell = w->cells.at + fresh;
+            cell = w->cells.at + *fresh;
+            memset(cell, 0, sizeof *cell);
+            cell->born = birth++;
             memcpy(cell->corner, w->cells.at[old].corner, sizeof cell->corner);
             cell->corner[k] = p;
             cell->next[k] = next;
+            pbwwr__set_centre(w, cell);
             if (next != PBW_NONE) {
-                w->cells.at[next].next[pbwwr__index_of(w->cells.at[next].next, old)] = fresh;
+                w->cells.at[next].next[pbwwr__index_of(w->cells.at[next].next, old)] = *fresh;
             }
-            w->cells.at[old].next[k] = fresh;
+            w->cells.at[old].next[k] = *fresh++;
         }
     }
-    for (i = 0; i < w->star.count; i++) {
-        const pbw_index old = w->star.at[i];
+    for (i = 0; i < count; i++) {
+        const pbw_index old = star[i];
         for (k = 0; k < 4; k++) {
             for (j = 0; j < 4 && w->visited.at[w->cells.at[old].next[k]] != w->visit; j++) {
                 if (j != k) {
@@ -820,49 +823,73 @@ static pbw_status pbwwr__fill_cavity(pbwwr__work *w, pbw_index p)
             }
         }
     }
-    for (i = 0; i < w->star.count; i++) {
-        pbwwr__free_cell(w, w->star.at[i]);
-    }
-    return PBW_OK;
 }
 
-/* Inserts a place near cells a and b; b may be PBW_NONE.  *done: it could be. */
-static pbw_status pbwwr__insert(pbwwr__work *w, const double place[3], pbw_index a, pbw_index b, int *done)
+static void pbwwr__free_cells(pbwwr__work *w, const pbw_index *star, size_t count)
 {
-    const pbw_index starts[10] = { a, b, w->cells.at[a].next[0], w->cells.at[a].next[1], w->cells.at[a].next[2],
-                                   w->cells.at[a].next[3], b == PBW_NONE ? b : w->cells.at[b].next[0],
-                                   b == PBW_NONE ? b : w->cells.at[b].next[1],
-                                   b == PBW_NONE ? b : w->cells.at[b].next[2],
-                                   b == PBW_NONE ? b : w->cells.at[b].next[3] };
-    pbw_status status;
-    int conflict = 0;
     size_t i;
-    unsigned k;
-    for (i = 0; i < 10 && conflict == 0; i++) {
-        conflict = starts[i] == PBW_NONE ? 0 : pbwwr__conflict(w, starts[i], place);
+    for (i = 0; i < count; i++) {
+        w->cells.at[star[i]].corner[0] = PBW_NONE;
+        w->spare.at[w->spare.count++] = star[i];
     }
-    *done = conflict > 0;
-    if (!*done) {
-        return PBW_OK;
+    w->alive -= count;
+}
+
+static int pbwwr__add_point(pbwwr__work *w, const double place[3])
+{
+    if (!PBW_RESERVE(&w->memory, w->x, 1) || !PBW_PUSH(&w->memory, w->marks, 0)) {
+        return 0;
     }
-    if (!PBW_RESERVE(&w->memory, w->x, 1) || !pbwwr__find_conflicts(w, starts[i - 1], place)) {
-        return PBW_ERROR_MEMORY;
+    memcpy(w->x.at[w->x.count++], place, sizeof *w->x.at);
+    return 1;
+}
+
+/* Inserts a place into the star that was found, with so many outer facets; born has the new cells. */
+static int pbwwr__fill_star(pbwwr__work *w, const double place[3], size_t outer)
+{
+    const pbw_index birth = w->births + 1;
+    if (!pbwwr__add_point(w, place) || !pbwwr__take_slots(w, outer)) {
+        return 0;
     }
-    memcpy(w->x.at[w->x.count], place, sizeof *w->x.at);
-    status = pbwwr__fill_cavity(w, (pbw_index)w->x.count++);
-    for (i = 0; i < w->born.count && status == PBW_OK; i++) {
-        const pbw_index cell = w->born.at[i], *next = w->cells.at[cell].next;
-        for (k = 0; k < 4 && status == PBW_OK; k++) {
-            if ((next[k] == PBW_NONE || w->cells.at[next[k]].carved) && !pbwwr__add_gate(w, cell, k)) {
-                status = PBW_ERROR_MEMORY;
-            }
+    pbwwr__fill_cavity(w, w->star.at, w->star.count, w->born.at, birth, (pbw_index)(w->x.count - 1));
+    pbwwr__free_cells(w, w->star.at, w->star.count);
+    return 1;
+}
+
+/* Adds the gates at new cells around a point. */
+static int pbwwr__add_gates(pbwwr__work *w, const pbw_index *born, size_t count, pbw_index point)
+{
+    size_t i;
+    for (i = 0; i < count; i++) {
+        const pbwwr__cell *cell = w->cells.at + born[i];
+        const unsigned facet = pbwwr__index_of(cell->corner, point);
+        const pbw_index next = cell->next[facet];
+        if ((next == PBW_NONE || w->cells.at[next].carved)
+            && !pbwwr__add_gate(w, born[i], facet, pbwwr__radius(w, born[i], facet))) {
+            return 0;
         }
     }
-    return status;
+    return 1;
+}
+
+/* Returns a cell near a and b that is in conflict with a place; PBW_NONE if there is none.  b may be PBW_NONE. */
+static pbw_index pbwwr__find_start(const pbwwr__work *w, const double place[3], pbw_index a, pbw_index b)
+{
+    const pbw_index near[2] = { a, b };
+    size_t i;
+    for (i = 0; i < 10; i++) {                       /* both, and then their neighbors */
+        const pbw_index of = near[i < 2 ? i : (i - 2) / 4];
+        const pbw_index at = of == PBW_NONE || i < 2 ? of : w->cells.at[of].next[(i - 2) % 4];
+        const int conflict = at == PBW_NONE ? 0 : pbwwr__conflict(w, at, place);
+        if (conflict != 0) {
+            return conflict > 0 ? at : PBW_NONE;
+        }
+    }
+    return PBW_NONE;
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   >>carve        Gates in rounds: verdicts on all threads, then what they ask for.
+   >>carve        Gates in rounds: verdicts, and vertices with cavities that are apart, on all threads.
    In: the box and the seeds, triangulated.  Out: cells, carved or not.
    ------------------------------------------------------------------------------------------------------ */
 static int pbwwr__is_open(const pbwwr__work *w, const pbwwr__gate *gate)
@@ -934,74 +961,282 @@ static void pbwwr__decide(const pbwwr__work *w, pbwwr__verdict *v)
     }
 }
 
+/* Finds the cells in conflict with a verdict's place, if they are not too many to be searched one by one. */
+static void pbwwr__find_cavity(const pbwwr__work *w, pbwwr__verdict *v, pbwwr__cavity *cavity)
+{
+    const pbw_index start = pbwwr__find_start(w, v->place, v->gate.cell, v->from);
+    unsigned i, j, k;
+    v->outer = 0;
+    v->count = 1;
+    cavity->star[0] = start;
+    v->rule = start == PBW_NONE ? 0 : v->rule;
+    for (i = 0; i < v->count && v->rule != 0; i++) {
+        for (k = 0; k < 4; k++) {
+            const pbw_index next = w->cells.at[cavity->star[i]].next[k];
+            for (j = 0; j < v->count && cavity->star[j] != next; j++) {
+            }
+            if (j < v->count) {
+                continue;
+            }
+            if (next == PBW_NONE || pbwwr__conflict(w, next, v->place) <= 0) {
+                cavity->around[v->outer++] = next == PBW_NONE ? cavity->star[i] : next;
+            } else if (v->count < PBWWR__MOST) {
+                cavity->star[v->count++] = next;
+            } else {
+                v->count = 0;
+                return;
+            }
+        }
+    }
+}
+
+/* Of verdicts that have a place the cavities; of new ones the rules, and the radii of what may become gates. */
 static pbw_status pbwwr__decide_some(void *arg, size_t from, size_t to)
 {
     const pbwwr__work *w = (const pbwwr__work *)arg;
     for (; from < to; from++) {
-        pbwwr__decide(w, w->verdicts.at + from);
+        pbwwr__verdict *v = w->verdicts.at + from;
+        const pbw_index *next = w->cells.at[v->gate.cell].next;
+        unsigned k;
+        if (from < w->kept) {
+            if (!v->waits) {
+                pbwwr__find_cavity(w, v, w->cavities.at + from);
+            }
+            continue;
+        }
+        pbwwr__decide(w, v);
+        for (k = 0; k < 4 && v->rule == 3; k++) {
+            v->place[k] = next[k] == PBW_NONE || w->cells.at[next[k]].carved ? 0
+                        : pbwwr__radius(w, next[k], pbwwr__index_of(w->cells.at[next[k]].next, v->gate.cell));
+        }
     }
     return PBW_OK;
 }
 
-/* Takes the largest gates; most of the last ones are of cells that are no more.  Returns how many it took. */
+/* Takes the largest gates behind the verdicts that are kept, one of a cell; most of the last ones are of cells that
+   are no more.  Returns how many verdicts there are. */
 static size_t pbwwr__take_gates(pbwwr__work *w)
 {
-    size_t most = w->gates.count / 8 + 1, count = 0, looked = 0;
+    size_t most = w->kept + w->gates.count / 8 + 1, count = w->kept, looked = 0, i;
     most = most < PBWWR__ROUND ? most : (size_t)PBWWR__ROUND;
+    w->visit += 3;                                   /* visited: visit, it has a verdict */
+    for (i = 0; i < count; i++) {
+        w->visited.at[w->verdicts.at[i].gate.cell] = w->visit;
+    }
+    w->later.count = 0;
     while (count < most && w->gates.count > 0 && !pbwwr__is_cancelled(w, looked++)) {
         const pbwwr__gate gate = pbwwr__pop_gate(w);
         pbwwr__verdict *v = w->verdicts.at + count;
         if (!pbwwr__is_open(w, &gate)) {
             continue;
         }
+        if (w->visited.at[gate.cell] == w->visit && w->later.count < PBWWR__ROUND) {
+            w->later.at[w->later.count++] = gate;
+            continue;
+        }
+        w->visited.at[gate.cell] = w->visit;
         v->gate = gate;
         v->from = w->cells.at[gate.cell].next[gate.facet];
         v->from_born = v->from == PBW_NONE ? 0 : w->cells.at[v->from].born;
-        (void)pbwwr__centre(w, w->cells.at + gate.cell);
-        if (v->from != PBW_NONE) {
-            (void)pbwwr__centre(w, w->cells.at + v->from);
-        }
+        v->waits = 1;
+        v->count = 1;
+        v->outer = 0;
         count++;
     }
     return count;
 }
 
-/* Carves a cell: its other facets may be gates. */
-static pbw_status pbwwr__carve_cell(pbwwr__work *w, pbw_index cell)
+/* Whether a verdict's star and the cells around it are as they were, apart from those that have been carved. */
+static int pbwwr__is_untouched(const pbwwr__work *w, const pbwwr__verdict *v, const pbwwr__cavity *cavity)
 {
-    unsigned k;
-    w->cells.at[cell].carved = 1;
-    w->report->carved++;
-    for (k = 0; k < 4; k++) {
-        const pbw_index next = w->cells.at[cell].next[k];
-        if (next != PBW_NONE && !w->cells.at[next].carved
-            && !pbwwr__add_gate(w, next, pbwwr__index_of(w->cells.at[next].next, cell))) {
-            return PBW_ERROR_MEMORY;
+    size_t i, k;
+    for (i = 0; i < v->count && w->visited.at[cavity->star[i]] < w->visit; i++) {
+    }
+    for (k = 0; k < v->outer && (w->visited.at[cavity->around[k]] < w->visit
+                                 || w->visited.at[cavity->around[k]] == w->visit + 2); k++) {
+    }
+    return i == v->count && k == v->outer;
+}
+
+/* Visits a verdict's star and the cells around it, and makes room for the insertion. */
+static int pbwwr__claim(pbwwr__work *w, pbwwr__verdict *v, const pbwwr__cavity *cavity)
+{
+    size_t i;
+    v->first = w->born.count;
+    v->birth = w->births + 1;
+    v->point = (pbw_index)w->x.count;
+    if (!pbwwr__add_point(w, v->place) || !pbwwr__take_slots(w, v->outer)) {
+        return 0;
+    }
+    for (i = 0; i < v->outer; i++) {
+        w->visited.at[cavity->around[i]] = w->visit + 1;
+    }
+    for (i = 0; i < v->count; i++) {
+        w->visited.at[cavity->star[i]] = w->visit;
+    }
+    return 1;
+}
+
+/* Settles which verdicts of a round are carried out at once: their cavities are apart, so that each is the same
+   whatever becomes of the others.  Of those that are kept for the next round, outer is 0; of others, which are void,
+   rule is.  visited: visit, a cell that goes; visit + 1, one beside it; visit + 2, one that is carved. */
+static pbw_status pbwwr__settle(pbwwr__work *w, size_t count)
+{
+    size_t i;
+    w->visit += 3;
+    w->born.count = 0;
+    for (i = 0; i < count; i++) {
+        pbwwr__verdict *v = w->verdicts.at + i;
+        pbwwr__cell *cell = w->cells.at + v->gate.cell;
+        if (pbwwr__is_cancelled(w, i)) {
+            return PBW_CANCELLED;
+        }
+        cell->meets = v->meets;
+        if (cell->carved || w->visited.at[v->gate.cell] == w->visit
+            || (v->from != PBW_NONE && w->visited.at[v->from] == w->visit)) {
+            v->rule = 0;                             /* one of the two cells is no more */
+        } else if (v->rule == 3) {
+            cell->carved = 1;
+            w->report->carved++;
+            w->visited.at[v->gate.cell] = w->visited.at[v->gate.cell] < w->visit ? w->visit + 2 : w->visit + 1;
+        } else if (v->rule == 0) {
+            w->report->dropped++;
+        } else if (v->count > 0 && !v->waits && pbwwr__is_untouched(w, v, w->cavities.at + i)) {
+            w->report->crossings += v->rule == 1;
+            w->report->projections += v->rule == 2;
+            if (!pbwwr__claim(w, v, w->cavities.at + i)) {
+                return PBW_ERROR_MEMORY;
+            }
+        } else {
+            v->outer = 0;
         }
     }
     return PBW_OK;
 }
 
-static pbw_status pbwwr__carry_out(pbwwr__work *w, const pbwwr__verdict *v)
+static int pbwwr__inserts(const pbwwr__verdict *v)
 {
-    pbw_status status;
-    pbwwr__cell *cell = w->cells.at + v->gate.cell;
-    int done = 0;
-    if (!pbwwr__is_open(w, &v->gate)) {
-        return PBW_OK;
+    return (v->rule == 1 || v->rule == 2) && v->outer > 0;
+}
+
+static pbw_status pbwwr__fill_some(void *arg, size_t from, size_t to)
+{
+    pbwwr__work *w = (pbwwr__work *)arg;
+    for (; from < to; from++) {
+        const pbwwr__verdict *v = w->verdicts.at + from;
+        if (pbwwr__inserts(v)) {
+            pbwwr__fill_cavity(w, w->cavities.at[from].star, v->count, w->born.at + v->first, v->birth, v->point);
+        }
     }
-    cell->meets = v->meets;
-    if (cell->next[v->gate.facet] != v->from
-        || (v->from != PBW_NONE && w->cells.at[v->from].born != v->from_born)) {
-        return PBW_OK;                               /* the other cell is new: it has made a gate of its own */
+    return PBW_OK;
+}
+
+/* Adds the gates at the facets of a carved cell; new cells have their own. */
+static int pbwwr__open_cell(pbwwr__work *w, const pbwwr__verdict *v, pbw_index births)
+{
+    unsigned k;
+    for (k = 0; k < 4; k++) {
+        const pbw_index cell = v->gate.cell, next = w->cells.at[cell].next[k];
+        if (next != PBW_NONE && !w->cells.at[next].carved && w->cells.at[next].born <= births
+            && !pbwwr__add_gate(w, next, pbwwr__index_of(w->cells.at[next].next, cell), v->place[k])) {
+            return 0;
+        }
     }
-    if (v->rule == 3) {
-        return pbwwr__carve_cell(w, v->gate.cell);
+    return 1;
+}
+
+/* Whether the two cells of a verdict, of which nothing has been carried out, are as they were.  If the other cell is
+   new, it has made a gate of its own. */
+static int pbwwr__is_valid(const pbwwr__work *w, const pbwwr__verdict *v)
+{
+    return pbwwr__is_open(w, &v->gate) && w->cells.at[v->gate.cell].next[v->gate.facet] == v->from
+        && (v->from == PBW_NONE || w->cells.at[v->from].born == v->from_born);
+}
+
+/* Inserts the place of a verdict with a large cavity. */
+static pbw_status pbwwr__insert(pbwwr__work *w, const pbwwr__verdict *v)
+{
+    const pbw_index start = pbwwr__find_start(w, v->place, v->gate.cell, v->from);
+    size_t outer;
+    w->report->dropped += start == PBW_NONE;
+    w->report->crossings += start != PBW_NONE && v->rule == 1;
+    w->report->projections += start != PBW_NONE && v->rule == 2;
+    w->born.count = 0;
+    return start == PBW_NONE
+        || (pbwwr__find_conflicts(w, start, v->place, &outer) && pbwwr__fill_star(w, v->place, outer)
+            && pbwwr__add_gates(w, w->born.at, outer, (pbw_index)(w->x.count - 1))) ? PBW_OK : PBW_ERROR_MEMORY;
+}
+
+/* Carries out the verdicts of a round that have large cavities. */
+static pbw_status pbwwr__insert_large(pbwwr__work *w, size_t count)
+{
+    size_t i, work = 0;
+    for (i = 0; i < count; i++) {
+        const pbwwr__verdict *v = w->verdicts.at + i;
+        if ((v->rule != 1 && v->rule != 2) || v->count > 0 || !pbwwr__is_valid(w, v)) {
+            continue;
+        }
+        if (pbwwr__insert(w, v) != PBW_OK) {
+            return PBW_ERROR_MEMORY;
+        }
+        work += w->star.count;
+        if (work >= PBWWR__STEP) {
+            work = 0;
+            if (pbwwr__progress(w, PBW_STAGE_WORK, 0)) {
+                return PBW_CANCELLED;
+            }
+        }
     }
-    status = pbwwr__insert(w, v->place, v->gate.cell, v->from, &done);
-    w->report->dropped += !done;
-    w->report->crossings += done && v->rule == 1;
-    w->report->projections += done && v->rule == 2;
+    return PBW_OK;
+}
+
+/* Keeps verdicts with a place that is not inserted yet.  Those of which the cells have no corner in common are tried
+   in the next round: others would mostly be in their way. */
+static void pbwwr__keep(pbwwr__work *w, size_t count)
+{
+    size_t i, k;
+    w->visit += 3;
+    w->kept = 0;
+    for (i = 0; i < count; i++) {
+        pbwwr__verdict *v = w->verdicts.at + i;
+        if ((v->rule == 1 || v->rule == 2) && v->outer == 0 && pbwwr__is_valid(w, v)) {
+            const pbw_index *corner = w->cells.at[v->gate.cell].corner;
+            v->waits = 0;
+            for (k = 0; k < 4; k++) {
+                v->waits |= w->marks.at[corner[k]] == w->visit;
+            }
+            for (k = 0; k < 4 && !v->waits; k++) {
+                w->marks.at[corner[k]] = w->visit;
+            }
+            memmove(w->verdicts.at + w->kept++, v, sizeof *v);
+        }
+    }
+}
+
+static pbw_status pbwwr__carry_out(pbwwr__work *w, size_t count, pbw_options *own)
+{
+    const pbw_index births = w->births;
+    pbw_status status = pbwwr__settle(w, count);
+    size_t i;
+    own->threads = w->born.count < 32 * PBWWR__FEW ? 1 : w->options.threads;     /* cells are made fast */
+    status = status != PBW_OK ? status : pbw_for(own, count, PBWWR__GRAIN, pbwwr__fill_some, w);
+    for (i = 0; i < count && status == PBW_OK; i++) {
+        const pbwwr__verdict *v = w->verdicts.at + i;
+        if (pbwwr__is_cancelled(w, i)) {
+            status = PBW_CANCELLED;
+        } else if ((v->rule == 3 && !pbwwr__open_cell(w, v, births))
+                   || (pbwwr__inserts(v) && !pbwwr__add_gates(w, w->born.at + v->first, v->outer, v->point))) {
+            status = PBW_ERROR_MEMORY;
+        } else if (pbwwr__inserts(v)) {
+            pbwwr__free_cells(w, w->cavities.at[i].star, v->count);
+        }
+    }
+    status = status != PBW_OK ? status : pbwwr__insert_large(w, count);
+    pbwwr__keep(w, status == PBW_OK ? count : 0);
+    for (i = 0; i < w->later.count && status == PBW_OK; i++) {
+        status = !pbwwr__is_open(w, w->later.at + i) || pbwwr__push_gate(w, w->later.at + i) ? PBW_OK
+               : PBW_ERROR_MEMORY;
+    }
     return status;
 }
 
@@ -1010,11 +1245,12 @@ static pbw_status pbwwr__carve(pbwwr__work *w)
     const double most = w->how->most > 0 ? w->how->most : 5e7;
     pbw_options own = w->options;
     pbw_status status = PBW_OK;
-    if (!PBW_FIT(&w->memory, w->verdicts, PBWWR__ROUND)) {
+    if (!PBW_FIT(&w->memory, w->verdicts, PBWWR__ROUND) || !PBW_FIT(&w->memory, w->cavities, PBWWR__ROUND)
+        || !PBW_FIT(&w->memory, w->later, PBWWR__ROUND)) {
         return PBW_ERROR_MEMORY;
     }
     while (status == PBW_OK) {
-        size_t count = pbwwr__take_gates(w), i;
+        const size_t count = pbwwr__take_gates(w);
         if (count == 0) {
             return w->cancelled ? PBW_CANCELLED : PBW_OK;
         }
@@ -1027,12 +1263,7 @@ static pbw_status pbwwr__carve(pbwwr__work *w)
         }
         own.threads = count < PBWWR__FEW ? 1 : w->options.threads;           /* starting some takes longer */
         status = pbw_for(&own, count, PBWWR__GRAIN, pbwwr__decide_some, w);
-        for (i = 0; i < count && status == PBW_OK; i++) {
-            if (i % 256 == 255 && pbwwr__progress(w, PBW_STAGE_WORK, 0)) {
-                return PBW_CANCELLED;
-            }
-            status = pbwwr__carry_out(w, w->verdicts.at + i);
-        }
+        status = status != PBW_OK ? status : pbwwr__carry_out(w, count, &own);
         if ((double)w->alive > most) {
             w->report->refusal = PBW_WRAP_LARGE;
             return PBW_ERROR_TOO_LARGE;
@@ -1053,7 +1284,7 @@ static pbw_status pbwwr__carve(pbwwr__work *w)
 static int pbwwr__find_star(pbwwr__work *w, pbw_index vertex, pbw_index first)
 {
     size_t i, k;
-    w->visit += 2;
+    w->visit += 3;
     w->star.count = 0;
     w->visited.at[first] = w->visit;
     if (!PBW_PUSH(&w->memory, w->star, first)) {
@@ -1211,9 +1442,9 @@ done:
 #define PBWWR__SLENDER 2.0                 /* cells with a larger radius, by their shortest edge, get a vertex */
 
 /* Whether a cell shall have a vertex in its centre. */
-static int pbwwr__is_coarse(const pbwwr__work *w, pbwwr__cell *cell)
+static int pbwwr__is_coarse(const pbwwr__work *w, const pbwwr__cell *cell)
 {
-    const double *c[4], radius = pbwsf__distance(pbwwr__centre(w, cell), w->x.at[cell->corner[0]]);
+    const double *c[4], radius = pbwsf__distance(cell->centre, w->x.at[cell->corner[0]]);
     double shortest = HUGE_VAL;
     int i, k;
     pbwwr__corners(w, cell, c);
@@ -1230,27 +1461,23 @@ static int pbwwr__is_coarse(const pbwwr__work *w, pbwwr__cell *cell)
 static pbw_status pbwwr__fill_cell(pbwwr__work *w, pbw_index cell)
 {
     double place[3];
-    pbw_status status;
-    size_t i;
+    size_t i, outer;
     unsigned k;
     memcpy(place, w->cells.at[cell].centre, sizeof place);
     if (pbwwr__conflict(w, cell, place) <= 0) {
         return PBW_OK;
     }
-    if (!PBW_RESERVE(&w->memory, w->x, 1) || !pbwwr__find_conflicts(w, cell, place)) {
+    if (!pbwwr__find_conflicts(w, cell, place, &outer)) {
         return PBW_ERROR_MEMORY;
     }
     for (i = 0; i < w->star.count; i++) {
         for (k = 0; k < 4; k++) {                    /* not outside of the box, either */
             if (w->cells.at[w->star.at[i]].carved || w->cells.at[w->star.at[i]].next[k] == PBW_NONE) {
-                w->born.count = 0;
                 return PBW_OK;
             }
         }
     }
-    memcpy(w->x.at[w->x.count], place, sizeof *w->x.at);
-    status = pbwwr__fill_cavity(w, (pbw_index)w->x.count++);
-    return status;
+    return pbwwr__fill_star(w, place, outer) ? PBW_OK : PBW_ERROR_MEMORY;
 }
 
 static pbw_status pbwwr__fill(pbwwr__work *w)
@@ -1272,7 +1499,7 @@ static pbw_status pbwwr__fill(pbwwr__work *w)
         }
     }
     for (done = 0; done < queue.count && status == PBW_OK; done++) {
-        pbwwr__cell *cell;
+        const pbwwr__cell *cell;
         at = queue.at[done];
         cell = w->cells.at + at.cell;
         if (pbwwr__is_cancelled(w, done)) {
@@ -1370,17 +1597,18 @@ static pbw_status pbwwr__number_points(pbwwr__work *w, pbwsf__indices *number, p
         goto done;
     }
     for (part = 2; part > 0; part--) {
-        for (i = 0, of.count = 0; i < w->x.count; i++) {
+        for (i = 0, of.count = 0; i < w->x.count && !pbwwr__is_cancelled(w, i); i++) {
             if (number->at[i] == part) {
                 memcpy(places.at[of.count], w->x.at[i], sizeof *places.at);
                 of.at[of.count++] = (pbw_index)i;
             }
         }
-        status = pbw_order(3, (const double *)places.at, of.count, &w->options, order.at);
+        status = w->cancelled ? PBW_CANCELLED
+               : pbw_order(3, (const double *)places.at, of.count, &w->options, order.at);
         if (status != PBW_OK && status != PBW_DEGENERATE) {
             goto done;
         }
-        for (i = 0; i < of.count; i++) {
+        for (i = 0; i < of.count && !pbwwr__is_cancelled(w, i); i++) {
             memcpy(r->points.at[r->points.count++], places.at[order.at[i]], sizeof *places.at);
             number->at[of.at[order.at[i]]] = (pbw_index)(wrap->point_count + i) + 3;
         }
@@ -1390,7 +1618,7 @@ static pbw_status pbwwr__number_points(pbwwr__work *w, pbwsf__indices *number, p
     for (i = 0; i < w->x.count; i++) {
         number->at[i] = number->at[i] == 0 ? PBW_NONE : number->at[i] - 3;
     }
-    status = PBW_OK;
+    status = w->cancelled ? PBW_CANCELLED : PBW_OK;
 done:
     PBW_RELEASE(m, of);
     PBW_RELEASE(m, order);
@@ -1587,7 +1815,7 @@ static pbw_status pbwwr__count_open(pbwwr__work *w, const pbw_wrap_input *in)
     pbwsf__indices order = { NULL, 0, 0 };
     const size_t count = 3 * in->triangle_count;
     pbw_status status = PBW_ERROR_MEMORY;
-    size_t i, k, end;
+    size_t i, k, end, edges = 0;
     if (PBW_FIT(&w->memory, keys, count) && PBW_FIT(&w->memory, order, count)) {
         status = PBW_OK;
         for (i = 0; i < count && status == PBW_OK; i++) {
@@ -1607,6 +1835,7 @@ static pbw_status pbwwr__count_open(pbwwr__work *w, const pbw_wrap_input *in)
     for (i = 0; i < count && status == PBW_OK; i = end) {
         for (end = i + 1; end < count && keys.at[order.at[end]] == keys.at[order.at[i]]; end++) {
         }
+        status = pbwwr__is_cancelled(w, edges++) ? PBW_CANCELLED : PBW_OK;
         w->report->open_edges += keys.at[order.at[i]] != 0 && (end - i) % 2 == 1;
     }
     PBW_RELEASE(&w->memory, keys);
@@ -1750,9 +1979,6 @@ static pbw_status pbwwr__load(pbwwr__work *w, const pbw_wrap_input *in)
         || !pbwwr__are_below(in->singles, in->single_count, in->point_count)) {
         return PBW_ERROR_ARGUMENT;
     }
-    if (total > PBW_NONE / 3) {
-        return PBW_ERROR_TOO_LARGE;
-    }
     if (!PBW_FIT(&w->memory, w->elements, total) || !PBW_FIT(&w->memory, w->places, 3 * total)
         || !PBW_FIT(&w->memory, w->origin, total)) {
         return PBW_ERROR_MEMORY;
@@ -1764,13 +1990,13 @@ static pbw_status pbwwr__load(pbwwr__work *w, const pbw_wrap_input *in)
         return status;
     }
     tree = (pbwsf__tree *)w->surface.memory;
-    for (i = 0; i < 3 * total; i++) {
+    for (i = 0; i < 3 * total && !pbwwr__is_cancelled(w, i); i++) {
         memcpy(w->places.at[i], pbwsf__corner(&w->surface, tree->order.at[i / 3], (int)(i % 3)),
                sizeof *w->places.at);
     }
     for (i = 0; i < total; i++) {
         pbwsf__vector *const c = w->places.at + 3 * i;
-        if (pbwwr__is_cancelled(w, i)) {
+        if (w->cancelled || pbwwr__is_cancelled(w, i)) {
             return PBW_CANCELLED;
         }
         if (pbwwr__are_in_line(c[0], c[1], c[2])) {
@@ -1879,7 +2105,7 @@ static pbw_status pbwwr__open_gates(pbwwr__work *w)
         for (k = 0; k < 4; k++) {
             const pbw_index next = w->cells.at[i].next[k];
             if (!w->cells.at[i].carved && (next == PBW_NONE || w->cells.at[next].carved)
-                && !pbwwr__add_gate(w, (pbw_index)i, k)) {
+                && !pbwwr__add_gate(w, (pbw_index)i, k, pbwwr__radius(w, (pbw_index)i, k))) {
                 return PBW_ERROR_MEMORY;
             }
         }
@@ -1894,20 +2120,23 @@ static pbw_status pbwwr__wrap(pbwwr__work *w)
     pbw_status status;
     size_t i;
     memset(&mesh, 0, sizeof mesh);
-    w->cells.count = w->visited.count = w->gates.count = w->alive = 0;
-    w->free = PBW_NONE;
-    if (!pbwwr__add_artificial(w)) {
+    w->cells.count = w->visited.count = w->spare.count = w->born.count = w->gates.count = w->alive = w->kept = 0;
+    w->births = 0;
+    w->visit = 0;
+    if (!pbwwr__add_artificial(w) || !PBW_ZEROS(&w->memory, w->marks, w->x.count)) {
         return PBW_ERROR_MEMORY;
     }
     status = pbw_triangulate(3, (const double *)w->x.at, NULL, w->x.count, &w->options, &mesh);
-    if (status == PBW_OK && (!PBW_FIT(&w->memory, w->cells, 2 * mesh.simplex_count)
-                             || !PBW_FIT(&w->memory, w->visited, 2 * mesh.simplex_count))) {
+    if (status == PBW_OK && !pbwwr__take_slots(w, mesh.simplex_count)) {
         status = PBW_ERROR_MEMORY;
     }
     for (i = 0; i < mesh.simplex_count && status == PBW_OK; i++) {
-        const pbw_index cell = pbwwr__new_cell(w);
-        memcpy(w->cells.at[cell].corner, mesh.simplices + 4 * i, sizeof w->cells.at->corner);
-        memcpy(w->cells.at[cell].next, mesh.neighbors + 4 * i, sizeof w->cells.at->next);
+        pbwwr__cell *cell = w->cells.at + i;
+        memset(cell, 0, sizeof *cell);
+        cell->born = (pbw_index)(i + 1);
+        memcpy(cell->corner, mesh.simplices + 4 * i, sizeof cell->corner);
+        memcpy(cell->next, mesh.neighbors + 4 * i, sizeof cell->next);
+        pbwwr__set_centre(w, cell);
     }
     pbw_free(&mesh);
     status = status != PBW_OK ? status : pbwwr__open_gates(w);
@@ -1999,6 +2228,20 @@ static void pbwwr__set_options(pbwwr__work *w, const pbw_options *options)
     w->options.progress_user = w;
 }
 
+/* Whether there are arrays where counts are above 0, and numbers where they may be. */
+static pbw_status pbwwr__check(const pbw_wrap_input *in, const pbw_wrap_options *how)
+{
+    const size_t most = PBW_NONE / 3;
+    if (in == NULL || (in->point_count > 0 && in->points == NULL)
+        || (in->triangle_count > 0 && in->triangles == NULL) || (in->segment_count > 0 && in->segments == NULL)
+        || (in->single_count > 0 && in->singles == NULL) || (how->seed_count > 0 && how->seeds == NULL)
+        || !(how->alpha >= 0 && how->offset >= 0 && how->fill >= 0 && how->most >= 0 && how->seconds >= 0)) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    return in->triangle_count > most || in->segment_count > most || in->single_count > most
+        || in->triangle_count + in->segment_count + in->single_count > most ? PBW_ERROR_TOO_LARGE : PBW_OK;
+}
+
 PBWDEF pbw_status pbw_wrap(const pbw_wrap_input *input, const pbw_wrap_options *how, const pbw_options *options,
                            pbw_wrap_result *wrap, pbw_wrap_report *report)
 {
@@ -2015,12 +2258,9 @@ PBWDEF pbw_status pbw_wrap(const pbw_wrap_input *input, const pbw_wrap_options *
     if (wrap != NULL) {
         memset(wrap, 0, sizeof *wrap);
     }
-    if (input == NULL || wrap == NULL || !(w.how->alpha >= 0) || !(w.how->offset >= 0)
-        || !(w.how->fill >= 0)
-        || (input->triangle_count > 0 && input->triangles == NULL)
-        || (input->segment_count > 0 && input->segments == NULL)
-        || (input->single_count > 0 && input->singles == NULL) || (w.how->seed_count > 0 && w.how->seeds == NULL)) {
-        return PBW_ERROR_ARGUMENT;
+    status = wrap == NULL ? PBW_ERROR_ARGUMENT : pbwwr__check(input, w.how);
+    if (status != PBW_OK) {
+        return status;
     }
     if (input->triangle_count + input->segment_count + input->single_count == 0) {
         w.report->refusal = PBW_WRAP_EMPTY;
@@ -2034,10 +2274,14 @@ PBWDEF pbw_status pbw_wrap(const pbw_wrap_input *input, const pbw_wrap_options *
     pbwwr__unload(&w);
     PBW_RELEASE(&w.memory, w.x);
     PBW_RELEASE(&w.memory, w.cells);
+    PBW_RELEASE(&w.memory, w.marks);
+    PBW_RELEASE(&w.memory, w.spare);
     PBW_RELEASE(&w.memory, w.visited);
     PBW_RELEASE(&w.memory, w.star);
     PBW_RELEASE(&w.memory, w.born);
     PBW_RELEASE(&w.memory, w.gates);
+    PBW_RELEASE(&w.memory, w.later);
+    PBW_RELEASE(&w.memory, w.cavities);
     PBW_RELEASE(&w.memory, w.verdicts);
     if (status != PBW_OK) {
         pbw_wrap_free(wrap);
@@ -2105,14 +2349,16 @@ PBWDEF pbw_status pbw_wrap_distance(const pbw_wrap_input *input, const double *p
                                     const pbw_index *facets, size_t facet_count, const pbw_options *options,
                                     double distance[2])
 {
+    pbw_wrap_options plain;
     pbw_surface surface;
     pbwwr__work w;
     pbw_status status;
     memset(&w, 0, sizeof w);
+    memset(&plain, 0, sizeof plain);
     memset(&surface, 0, sizeof surface);
-    if (input == NULL || distance == NULL || facet_count == 0
-        || input->triangle_count + input->segment_count + input->single_count == 0) {
-        return PBW_ERROR_ARGUMENT;
+    status = distance == NULL || facet_count == 0 ? PBW_ERROR_ARGUMENT : pbwwr__check(input, &plain);
+    if (status != PBW_OK || input->triangle_count + input->segment_count + input->single_count == 0) {
+        return status != PBW_OK ? status : PBW_ERROR_ARGUMENT;
     }
     pbwwr__set_options(&w, options);
     status = pbwwr__load(&w, input);
@@ -2310,8 +2556,10 @@ PBWDEF pbw_status pbw_wrap_solid(const pbw_wrap_input *input, const pbw_wrap_sol
     if (mesh != NULL) {
         memset(mesh, 0, sizeof *mesh);
     }
-    if (input == NULL || mesh == NULL || !(s.how->size >= 0)) {
-        return PBW_ERROR_ARGUMENT;
+    status = mesh == NULL || !(s.how->size >= 0 && s.how->target >= 0 && s.how->seconds >= 0) ? PBW_ERROR_ARGUMENT
+           : pbwwr__check(input, &s.how->wrap);
+    if (status != PBW_OK) {
+        return status;
     }
     pbwwr__start_solid(&s, options);
     status = pbwwr__wrap_to_fill(&s, &wrap);
