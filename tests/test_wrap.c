@@ -615,8 +615,10 @@ static void refuse_wrong(void)
     good.triangle_count = good.segment_count = good.single_count = 1;
     for (i = 0; i < 4; i++) {
         in = good;
-        *(i == 0 ? (const void **)&in.points : i == 1 ? (const void **)&in.triangles
-          : i == 2 ? (const void **)&in.segments : (const void **)&in.singles) = NULL;
+        in.points = i == 0 ? NULL : x;
+        in.triangles = i == 1 ? NULL : ids;
+        in.segments = i == 2 ? NULL : ids;
+        in.singles = i == 3 ? NULL : ids;
         check_wrong(&in, &how, PBW_ERROR_ARGUMENT);
     }
     for (i = 0; i < 3; i++) {
