@@ -896,6 +896,30 @@ static void test_seeds(void)
         pbw_fill_free(&f);
         test_end();
     }
+    if (test_begin("seeds outside: of holes they are none, of regions an error, unless the outside is kept")) {
+        static const double outside[9] = { 4, 0, 0, 1e9, 0, 0, 0, 0, 0 };
+        const pbw_index of[3] = { PBW_NONE, PBW_NONE, 2 };
+        pbw_fill_input in;
+        pbw_fill_options how;
+        pbw_fill_report report;
+        pbw_filled f;
+        memset(&how, 0, sizeof how);
+        big.points = big.triangles = 0;
+        add_box(-3, 3);
+        in = input_of_big();
+        in.seeds = outside;
+        in.seed_regions = of;
+        in.seed_count = 3;
+        CHECK_EQUAL(fill_and_check(&in, NULL, 216), 1);
+        in.seed_regions = of + 2;                    /* of the first alone */
+        in.seed_count = 1;
+        CHECK_EQUAL(pbw_fill(&in, NULL, NULL, &f, &report), PBW_DEGENERATE);
+        CHECK_EQUAL(report.refusal, PBW_FILL_SEED);
+        pbw_fill_free(&f);
+        how.outside = 1;
+        CHECK_EQUAL(fill_and_check(&in, &how, -1), 2);
+        test_end();
+    }
 }
 
 static void test_sheets(void)

@@ -140,7 +140,8 @@ enum {                                     /* why an input is refused, with PBW_
     PBW_FILL_OPEN,                         /* a triangle has the outside on both sides */
     PBW_FILL_TOO_FINE,                     /* a coordinate is not 0, but below 2^-169 of the box, and an edge needs a
                                               point; or magnitudes differ by more than doubles hold */
-    PBW_FILL_SEED,                         /* a seed lies on a facet, or two seeds of one region differ in number */
+    PBW_FILL_SEED,                         /* a seed lies on a facet, or that of a region outside; or two seeds of one
+                                              region differ in number */
     PBW_FILL_POINTS_LEFT                   /* the status is PBW_OK, but some points stay on edges, without
                                               options.conforming */
 };
@@ -2772,6 +2773,7 @@ static pbw_status pbwfill__take_seeds(pbwfill__work *w, pbwfill__map *map)
     size_t i, k;
     for (i = 0; i < w->input->seed_count; i++) {
         const double *low = pbwfill__at(w, (pbw_index)w->inputs), *high = pbwfill__at(w, (pbw_index)w->inputs + 7);
+        const int hole = w->input->seed_regions != NULL && w->input->seed_regions[i] == PBW_NONE;
         double p[PBWFILL__PLACE] = { 0, 0, 0, 0 };
         int inside = 1;
         unsigned j;
@@ -2779,11 +2781,14 @@ static pbw_status pbwfill__take_seeds(pbwfill__work *w, pbwfill__map *map)
             p[k] = pbwfill__scaled(w->input->seeds[3 * i + k], -w->exponent);
             inside &= p[k] >= low[k] && p[k] <= high[k];
         }
-        if (!inside) {
+        if (!inside && !hole) {
             return pbwfill__refuse(w, PBW_FILL_SEED, (pbw_index)i, PBW_NONE);
-        } else {
+        } else if (inside) {
             const pbw_index t = pbwfill__locate(w, w->at.at[w->inputs], p);
             pbw_index *seed = &map->components.at[w->region.at[t]].seed;
+            if (w->region.at[t] == 0 && !hole && !w->how.outside) {
+                return pbwfill__refuse(w, PBW_FILL_SEED, (pbw_index)i, PBW_NONE);
+            }
             for (j = 0; j < 4; j++) {
                 const pbwfill__tet *tet = w->tets.at + t;
                 const double *a = pbwfill__at(w, tet->v[PBW_FACET_CORNER(j, 0)]);
@@ -5420,7 +5425,7 @@ PBWDEF const char *pbw_fill_refusal(int refusal)
     case PBW_FILL_OPEN: return "the surface is open: a triangle bounds no region";
     case PBW_FILL_TOO_FINE: return "too fine against the box: magnitudes differ by more than doubles hold";
     case PBW_FILL_POINTS_LEFT: return "filled, but points are left on edges of the surface";
-    case PBW_FILL_SEED: return "a seed lies on the surface, beyond the box, or in the region of another one";
+    case PBW_FILL_SEED: return "a seed lies on the surface, outside of it, or in the region of another one";
     default: return "unknown";
     }
 }
