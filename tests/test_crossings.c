@@ -491,6 +491,49 @@ static void test_refusals(void)
     test_end();
 }
 
+/* Queries of surfaces without triangles, places that are none, counts that nothing can have. */
+static void test_empty(void)
+{
+    static const double x[9] = { 0, 0, 0, 1, 0, 0, 0, 1, 0 }, none[3] = { 0, NAN, 0 }, far[3] = { 0, 0, HUGE_VAL };
+    static const double above[3] = { 0.2, 0.2, 1 }, below[3] = { 0.2, 0.2, -1 }, limits[] = { 0, -5, NAN };
+    static const pbw_index ids[3] = { 0, 1, 2 };
+    const size_t huge[] = { (size_t)PBW_NONE + 1, (size_t)-1, (size_t)-1 / 3 + 1 };
+    pbw_surface tree;
+    pbw_surface_faults f;
+    double place[3], where;
+    size_t i;
+    if (!test_begin("empty surfaces, places that are none")) {
+        return;
+    }
+    for (i = 0; i < 3; i++) {                        /* {0}, one without triangles, NaN */
+        const double *p = i == 2 ? none : above;
+        memset(&tree, 0, sizeof tree);
+        CHECK_EQUAL(i == 0 ? PBW_OK : pbw_surface_create(x, 3, ids, i / 2, NULL, &tree), PBW_OK);
+        CHECK(pbw_surface_closest(&tree, p, HUGE_VAL, place) == PBW_NONE);
+        CHECK(pbw_surface_meets(&tree, p, below, &where) == PBW_NONE);
+        CHECK(pbw_surface_meets(&tree, below, p, &where) == PBW_NONE);
+        CHECK(pbw_surface_inside(&tree, p) == 0 && pbw_surface_turns(&tree, p) == 0);
+        CHECK(!(fabs(pbw_surface_winding(&tree, p)) > 0));
+        pbw_surface_free(&tree);
+        CHECK(pbw_surface_create(x, huge[i], ids, 1, NULL, &tree) == PBW_ERROR_TOO_LARGE || sizeof(size_t) == 4);
+        CHECK(pbw_surface_create(x, 3, ids, huge[i], NULL, &tree) == PBW_ERROR_TOO_LARGE || sizeof(size_t) == 4);
+        CHECK(pbw_surface_crossings(x, huge[i], ids, 1, NULL, &f) == PBW_ERROR_TOO_LARGE || sizeof(size_t) == 4);
+        CHECK(pbw_surface_crossings(x, 3, ids, huge[i], NULL, &f) == PBW_ERROR_TOO_LARGE);
+    }
+    CHECK_EQUAL(pbw_surface_create(x, 3, ids, 1, NULL, &tree), PBW_OK);
+    for (i = 0; i < 3; i++) {
+        CHECK(pbw_surface_closest(&tree, above, limits[i], place) == PBW_NONE);
+    }
+    CHECK(pbw_surface_closest(&tree, above, 1.1, place) == 0 && pbw_surface_meets(&tree, above, below, &where) == 0);
+    CHECK(pbw_surface_inside(&tree, far) == 0);
+    pbw_surface_free(&tree);
+    CHECK_EQUAL(pbw_surface_create(NULL, 3, ids, 1, NULL, &tree), PBW_ERROR_ARGUMENT);
+    CHECK_EQUAL(pbw_surface_create(x, 3, NULL, 1, NULL, &tree), PBW_ERROR_ARGUMENT);
+    CHECK_EQUAL(pbw_surface_crossings(NULL, 3, ids, 1, NULL, &f), PBW_ERROR_ARGUMENT);
+    CHECK_EQUAL(pbw_surface_crossings(x, 3, NULL, 1, NULL, &f), PBW_ERROR_ARGUMENT);
+    test_end();
+}
+
 static void test_threads(void)
 {
     pbw_surface_faults one, f;
@@ -617,6 +660,7 @@ int main(int argc, char **argv)
     test_magnitudes();
     test_nearly();
     test_refusals();
+    test_empty();
     test_threads();
     test_failures();
     test_crowds();

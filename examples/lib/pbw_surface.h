@@ -77,8 +77,9 @@ typedef struct pbw_surface {               /* start from {0}; pbw_surface_free w
     void *memory;                          /* private */
 } pbw_surface;
 
-/* Builds the tree.  Returns PBW_ERROR_ARGUMENT for ids out of range, PBW_ERROR_NOT_FINITE, or what pbw_order fails
-   with; no triangles are fine. */
+/* Builds the tree.  Returns PBW_ERROR_ARGUMENT for ids out of range and arrays that are NULL with a count above 0,
+   PBW_ERROR_NOT_FINITE, PBW_ERROR_TOO_LARGE for counts of 2^32 and more, or what pbw_order fails with; no triangles
+   are fine.  For queries a surface that is {0} has no triangles, and a point with NaN is nowhere. */
 PBWDEF pbw_status pbw_surface_create(const double *points, size_t point_count, const pbw_index *triangles,
                                      size_t triangle_count, const pbw_options *options, pbw_surface *surface);
 /* Returns the triangle nearest to p, and in `place` its point there; PBW_NONE if none is nearer than limit. */
@@ -385,6 +386,9 @@ static pbw_status pbwsf__check_input(const double *points, size_t point_count, c
     if ((point_count > 0 && points == NULL) || (triangle_count > 0 && triangles == NULL)) {
         return PBW_ERROR_ARGUMENT;
     }
+    if (point_count > PBW_NONE || triangle_count > PBW_NONE) {
+        return PBW_ERROR_TOO_LARGE;
+    }
     for (i = 0; i < 3 * triangle_count; i++) {
         if (triangles[i] >= point_count) {
             return PBW_ERROR_ARGUMENT;
@@ -568,9 +572,15 @@ static pbw_index pbwsf__closest(const pbw_surface *surface, const double p[3], d
     return found;
 }
 
+/* Whether a query has something to find. */
+static int pbwsf__has_place(const pbw_surface *surface, const double p[3])
+{
+    return surface != NULL && surface->memory != NULL && p[0] <= HUGE_VAL && p[1] <= HUGE_VAL && p[2] <= HUGE_VAL;
+}
+
 PBWDEF pbw_index pbw_surface_closest(const pbw_surface *surface, const double p[3], double limit, double place[3])
 {
-    return pbwsf__closest(surface, p, limit, 0, place);
+    return limit > 0 && pbwsf__has_place(surface, p) ? pbwsf__closest(surface, p, limit, 0, place) : PBW_NONE;
 }
 
 /* Returns whether the surface is nearer to p than a distance. */
@@ -621,14 +631,20 @@ static double pbwsf__crossing(const double *const c[3], const double *a, const d
 
 PBWDEF pbw_index pbw_surface_meets(const pbw_surface *surface, const double a[3], const double b[3], double *where)
 {
-    const pbwsf__tree *tree = (const pbwsf__tree *)surface->memory;
-    const pbwsf__box *box = tree->boxes.at;
-    const pbw_index *order = tree->order.at;
+    const pbwsf__tree *tree;
+    const pbwsf__box *box;
+    const pbw_index *order;
     struct { size_t node; double from; } stack[PBWSF__DEPTH];
     double per[3], best = 1;
     pbw_index found = PBW_NONE;
     size_t k;
     int depth = 1;
+    if (!pbwsf__has_place(surface, a) || !pbwsf__has_place(surface, b)) {
+        return PBW_NONE;
+    }
+    tree = (const pbwsf__tree *)surface->memory;
+    box = tree->boxes.at;
+    order = tree->order.at;
     for (k = 0; k < 3; k++) {
         const double d = b[k] - a[k];
         per[k] = fabs(d) > 1e-100 ? 1 / d : fabs(d) > 0 ? 0 : 1e100;
@@ -758,7 +774,9 @@ static void pbwsf__count_fronts(void *user, pbw_index triangle, int front)
 PBWDEF long pbw_surface_turns(const pbw_surface *surface, const double p[3])
 {
     long turns = 0;
-    pbwsf__ray(surface, p, pbwsf__count_fronts, &turns);
+    if (pbwsf__has_place(surface, p)) {
+        pbwsf__ray(surface, p, pbwsf__count_fronts, &turns);
+    }
     return turns;
 }
 
@@ -782,12 +800,18 @@ static double pbwsf__angle(const pbw_surface *s, pbw_index triangle, const doubl
 
 PBWDEF double pbw_surface_winding(const pbw_surface *surface, const double p[3])
 {
-    const pbwsf__tree *tree = (const pbwsf__tree *)surface->memory;
-    const pbwsf__box *box = tree->boxes.at;
-    const pbw_index *order = tree->order.at;
+    const pbwsf__tree *tree;
+    const pbwsf__box *box;
+    const pbw_index *order;
     size_t stack[PBWSF__DEPTH], k;
     double sum = 0;
     int depth = 1;
+    if (!pbwsf__has_place(surface, p)) {
+        return 0;
+    }
+    tree = (const pbwsf__tree *)surface->memory;
+    box = tree->boxes.at;
+    order = tree->order.at;
     stack[0] = 0;
     while (depth > 0) {
         const size_t i = stack[--depth];
