@@ -2915,7 +2915,7 @@ static pbw_status pbwfill__find_regions(pbwfill__work *w)
    ------------------------------------------------------------------------------------------------------ */
 enum { PBWFILL__WRAPPED = 60,              /* most faces of wedges that are wrapped first */
        PBWFILL__STAR = 1500,               /* most tetrahedra at a point */
-       PBWFILL__MENDED = 100,              /* most of other cavities that are filled again */
+       PBWFILL__MENDED = 300,              /* most of other cavities that are filled again */
        PBWFILL__EFFORT = 30000 };          /* most tetrahedra of stars that are tried for one point */
 
 typedef struct pbwfill__sector { pbw_index triangle, x, y; int wedge; } pbwfill__sector;   /* the face v x y of the
@@ -4860,7 +4860,7 @@ static pbw_status pbwfill__add_inside(pbwfill__work *w)
    all that there is to check.  A vertex with a rest goes to the doubles nearest to it, or to some near these from
    which all of its tetrahedra are positive; else those that turn are filled again, with some around.
    ------------------------------------------------------------------------------------------------------ */
-enum { PBWFILL__CAVITIES = 10 };           /* of a turned tetrahedron: those around its edges, then rings around it */
+enum { PBWFILL__CAVITIES = 12 };           /* of a turned tetrahedron: those around its edges, then rings around it */
 
 /* Adds the tetrahedra around the edge a-b of t, up to walls.  Returns 0 without memory. */
 static int pbwfill__add_around(pbwfill__work *w, pbw_index t, pbw_index a, pbw_index b)
