@@ -201,7 +201,7 @@ FIRST = $(filter $(SLOWEST),$(TESTS))
 REST = $(filter-out $(SLOWEST),$(TESTS))
 test-all: LOGS = $(patsubst %,$B/%.log,$(FIRST) $(SCRIPTS) $(REST))
 test: LOGS = $(patsubst %,$B/%.log,$(FIRST) $(filter-out $(LONG),$(SCRIPTS)) $(REST))
-test-all test programs: BEFORE = $(if $(filter-out $(ALONE),$(TESTS)),$B/libpbw.a) $(FIRST:%=$B/%)
+test-all test programs: BEFORE = $(strip $(if $(filter-out $(ALONE),$(TESTS)),$B/libpbw.a) $(FIRST:%=$B/%))
 test: export QUICK = 1
 QUICK_test_answer = --count 6000
 QUICK_test_predicates = --count 50000
