@@ -8298,10 +8298,10 @@ pbw_status make_host_cells(card_cells *cards, int count, const pbw_cuda_points &
     return fetched != PBW_OK ? fetched : status;
 }
 
-void say(const pbw_options &options, const char *text)
+void say(const pbw_options &options, const char *what, const char *why)
 {
     if (options.message != NULL && options.message_size > 0) {
-        snprintf(options.message, options.message_size, "%s", text);
+        snprintf(options.message, options.message_size, "%s%s", what, why);
     }
 }
 
@@ -8326,9 +8326,10 @@ extern "C" pbw_status pbw_cuda_cells_of_host(int dim, const double *points, cons
         || (options.backend != NULL && options.backend->triangulate != triangulate)) {
         return PBW_ERROR_ARGUMENT;
     }
-    say(options, "");
+    say(options, "", "");
     pbw_status status = PBW_ERROR_BACKEND;
-    if (cudaGetDevice(&before) == cudaSuccess) {
+    const cudaError_t found = cudaGetDevice(&before);
+    if (found == cudaSuccess) {
         devices.device[0] = before;
         if (options.backend != NULL) {
             devices = *(const device_list *)options.backend->user;
@@ -8351,7 +8352,7 @@ extern "C" pbw_status pbw_cuda_cells_of_host(int dim, const double *points, cons
     const cudaError_t error = cudaGetLastError();
     if (status == PBW_ERROR_BACKEND && error != cudaSuccess
         && (options.message == NULL || options.message_size == 0 || options.message[0] == 0)) {
-        say(options, cudaGetErrorString(error));
+        say(options, found == cudaSuccess ? "" : "no usable device: ", cudaGetErrorString(error));
     }
     return status;
 }
