@@ -2788,7 +2788,29 @@ static void pbwm3__free_cutting(pbwm3__work *w, pbwm3__cutting *c)
     PBW_RELEASE(&w->memory, c->incident);
 }
 
-/* Makes one surface of shells that cross.  If rounding is in the way, they stay as they are. */
+/* Returns whether the pieces enclose as much as the largest shell, to 1/1000, which welds are far below.  Where a
+   shell was inside out, they need not. */
+static int pbwm3__is_large_enough(const pbwm3__work *w, const pbwm3__cutting *c)
+{
+    double volume = 0, largest = 0;
+    size_t i, k;
+    for (i = 0; i < w->shells.count; i++) {
+        if (w->shells.at[i].volume < 0) {
+            return 1;
+        }
+        largest = fmax(largest, w->shells.at[i].volume);
+    }
+    for (i = 0; i < c->pieces.count; i++) {
+        double u[3][3], across[3];
+        for (k = 0; k < 3; k++) {
+            pbwsf__minus(c->points.at[c->pieces.at[i][k]], w->low, u[k]);
+        }
+        pbwsf__cross(u[0], u[1], across);
+        volume += pbwsf__dot(across, u[2]) / 6;
+    }
+    return volume >= 0.999 * largest;
+}
+
 static pbw_status pbwm3__unite(pbwm3__work *w)
 {
     pbwm3__cutting c;
@@ -2798,6 +2820,7 @@ static pbw_status pbwm3__unite(pbwm3__work *w)
     status = pbwm3__find_cuts(w, &c);
     status = status != PBW_OK ? status : pbwm3__cut_all(w, &c);
     status = status != PBW_OK ? status : pbwm3__choose_pieces(w, &c, &closed);
+    closed = closed && pbwm3__is_large_enough(w, &c);
     status = status == PBW_DEGENERATE || (status == PBW_OK && !closed) ? PBW_OK
            : status != PBW_OK ? status : pbwm3__take_union(w, &c);
     pbwm3__free_cutting(w, &c);
