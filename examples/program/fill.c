@@ -34,7 +34,7 @@ static int adds_points(const job *j)
 
 static void report_on(const job *j, const pbw_filled *f, const pbw_fill_report *r)
 {
-    static const char *const stages[] = { "grid", "triangulate", "edges", "crossings", "segments", "facets",
+    static const char *const stages[] = { "vertices", "triangulate", "edges", "crossings", "segments", "facets",
                                           "regions", "exact", "inside", "improve" };
     pbw_quality quality;
     size_t i;
