@@ -4300,13 +4300,15 @@ static pbw_status pbwfill__join_grown(pbwfill__work *w, pbw_index u, const doubl
 
 /* Removes v, which is inside, and all other vertices from number `first` on that only tetrahedra of the cavity have:
    into one of its neighbours, into a new vertex with a neighbour that may go, too, or with the tetrahedra behind
-   those at it.  *done: 0 if that fails. */
+   those at it.  One with a rest may give way to one without, near the middle of an edge of it.  *done: 0 if that
+   fails. */
 static pbw_status pbwfill__remove_wide(pbwfill__work *w, pbwfill__star *star, size_t first, int *done)
 {
     const pbw_index v = star->v;
     pbwfill__wedge wedge;
     pbw_status status = PBW_OK;
     size_t i, effort = 0;
+    const int fine = pbwfill__at(w, v)[3] != 0;
     int k, pair;
     star->polygon.count = 0;                         /* the neighbours */
     if (!pbwfill__open_star(w, v) || !pbwfill__list_faces(w)
@@ -4315,17 +4317,19 @@ static pbw_status pbwfill__remove_wide(pbwfill__work *w, pbwfill__star *star, si
     }
     for (i = 0; i < w->rest.count; i++) {
         star->polygon.at[star->polygon.count] = w->rest.at[i];
-        star->polygon.count += w->rest.at[i] != v;
+        star->polygon.count += w->rest.at[i] != v || fine;
     }
     for (pair = 0; pair < 2; pair++) {
         for (i = 0; i < star->polygon.count && !*done && status == PBW_OK && effort < PBWFILL__EFFORT; i++) {
             const pbw_index u = star->polygon.at[i];
+            const double *reach;
             double x[PBWFILL__PLACE];
-            if (pair && u < first) {
+            if (pair ? u < first && !fine : u == v) {
                 continue;
             }
             memcpy(x, pbwfill__at(w, u), sizeof x);
-            if (!pbwfill__open_star(w, v) || (pair && !(pbwfill__add_star(w, u) && pbwfill__list_faces(w)))) {
+            if (!pbwfill__open_star(w, v)
+                || (pair && !((u < first || pbwfill__add_star(w, u)) && pbwfill__list_faces(w)))) {
                 return PBW_ERROR_MEMORY;
             }
             effort += w->cavity.count;
@@ -4334,7 +4338,8 @@ static pbw_status pbwfill__remove_wide(pbwfill__work *w, pbwfill__star *star, si
                 for (k = 0; k < 3; k++) {
                     x[k] = (x[k] + pbwfill__at(w, v)[k]) / 2;
                 }
-                pbwfill__climb(w, 1, x, 2 * pbwfill__distance(x, pbwfill__at(w, v)), 24);
+                reach = pbwfill__at(w, star->polygon.at[u == v && i == 0 ? 1 : u == v ? 0 : i]);
+                pbwfill__climb(w, 1, x, pbwfill__distance(reach, pbwfill__at(w, v)), 24);
             }
             status = pbwfill__join_grown(w, pair ? PBW_NONE : u, x, first, done);
         }
