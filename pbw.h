@@ -36,6 +36,8 @@
      pbw_power2              the same with weights, in the plane
      pbw_power3              the same with weights, in space
      pbw_for                 calls a function for ranges of numbers, on all threads
+     pbw_threads_start       threads that several calls share
+     pbw_threads_stop        ends them
      pbw_order               the order of points along a Hilbert curve
      pbw_conflict2           whether a point is in conflict with a triangle, ties decided
      pbw_conflict3           whether it is with a tetrahedron
@@ -381,6 +383,14 @@ PBWDEF int pbw_power3(const double a[3], const double b[3], const double c[3], c
    again the same for any number of threads.  Progress is PBW_STAGE_WORK, before each range. */
 typedef pbw_status pbw_body(void *arg, size_t from, size_t to);
 PBWDEF pbw_status pbw_for(const pbw_options *options, size_t count, size_t grain, pbw_body *body, void *arg);
+
+/* Starts threads for calls on about `count` points.  *inner becomes *options (NULL: all zero), and calls with it or a
+   copy of it, one at a time, run on these threads.  Returns NULL where there are none to start, where memory is short
+   and where options.run is set: calls with *inner then do as with *options.
+   stop: ends the threads, after the last call with *inner; fine on NULL. */
+typedef struct pbw_threads pbw_threads;
+PBWDEF pbw_threads *pbw_threads_start(const pbw_options *options, size_t count, pbw_options *inner);
+PBWDEF void pbw_threads_stop(pbw_threads *threads);
 
 /* Fills order with 0..count-1 in the order of a Hilbert curve through the points; points at one place follow each
    other, ascending.  Reads points as pbw_triangulate does (options.stride) and fails as it does. */
@@ -1604,7 +1614,7 @@ typedef struct pbw__context {
     int threads;                                     /* that take part, the caller's among them */
 #ifdef PBW__THREADS
     pbw__thread_id caller;
-    struct pbw__team *team;                          /* NULL: not started */
+    pbw_threads *team;                               /* NULL: not started */
 #endif
 } pbw__context;
 
@@ -1771,22 +1781,24 @@ static void pbw__run_guarded(void *arg, int i)
    whether the caller sleeps.  Taking a task acquires what was written before pbw__for; ending one releases what the
    task wrote to the caller.  Only running tasks read `task` and `arg`, which stay while any runs.  There are at most
    65535 tasks: >>order has the most, 16 for each of 4 shares of at most 256 threads. */
-typedef struct pbw__team {
+struct pbw_threads {
+    pbw_memory memory;
     pbw__mutex mutex;
     pbw__condition wake, done;
     pbw__task *task;
     void *arg;
     int tasks, stop, alone;                          /* alone: each thread has a processor */
+    int shared;                                      /* pbw_threads_stop stops them */
     int count;                                       /* threads started */
     unsigned work;
     pbw__thread thread[PBW__THREADS];
-} pbw__team;
+};
 #define PBW__SLEEPS 1u
 #define PBW__RUNS 2u
 #define PBW__UNTAKEN 65536u
 
 /* Takes tasks until none is left. */
-static void pbw__work(pbw__team *team)
+static void pbw__work(pbw_threads *team)
 {
     unsigned work = PBW__LOAD(&team->work);
     while (work >= PBW__UNTAKEN) {
@@ -1805,7 +1817,7 @@ static void pbw__work(pbw__team *team)
 }
 
 /* Spins for up to 0.2 ms, about the cost of a wake-up.  Returns whether tasks arrived (or all running ones ended). */
-static int pbw__work_soon(const pbw__team *team, int wanted)
+static int pbw__work_soon(const pbw_threads *team, int wanted)
 {
     double start, waited = 0.0;
     unsigned work = PBW__LOAD_ACQUIRE(&team->work);
@@ -1821,7 +1833,7 @@ static int pbw__work_soon(const pbw__team *team, int wanted)
 
 static pbw__thread_result PBW__THREAD_CALL pbw__team_member(void *arg)
 {
-    pbw__team *team = (pbw__team *)arg;
+    pbw_threads *team = (pbw_threads *)arg;
     pbw__fp fp = pbw__fp_enter();
     while (!PBW__LOAD(&team->stop)) {
         pbw__work(team);
@@ -1847,7 +1859,7 @@ static pbw__thread_result PBW__THREAD_CALL pbw__team_member(void *arg)
 /* Starts the threads.  Fewer are enough; with none the tasks run on the caller's thread. */
 static void pbw__team_start(pbw__context *context)
 {
-    pbw__team *team = (pbw__team *)pbw__allocate(&context->memory, 1, sizeof(pbw__team));
+    pbw_threads *team = (pbw_threads *)pbw__allocate(&context->memory, 1, sizeof(pbw_threads));
     if (team == NULL) {
         context->threads = 1;
         return;
@@ -1867,9 +1879,10 @@ static void pbw__team_start(pbw__context *context)
 
 static void pbw__team_stop(pbw__context *context)
 {
-    pbw__team *team = context->team;
+    pbw_threads *team = context->team;
     int i;
-    if (team == NULL) {
+    context->team = NULL;
+    if (team == NULL || team->shared) {
         return;
     }
     PBW__LOCK(&team->mutex);
@@ -1882,8 +1895,7 @@ static void pbw__team_stop(pbw__context *context)
     PBW__CONDITION_DESTROY(&team->wake);
     PBW__CONDITION_DESTROY(&team->done);
     PBW__MUTEX_DESTROY(&team->mutex);
-    pbw__release(&context->memory, team, 1, sizeof(pbw__team));
-    context->team = NULL;
+    pbw__release(&context->memory, team, 1, sizeof(pbw_threads));
 }
 #else
 #define pbw__team_stop(context) ((void)(context))
@@ -1903,7 +1915,7 @@ static void pbw__for(pbw__context *context, int tasks, pbw__task *task, void *ar
         pbw__team_start(context);
     }
     if (tasks > 1 && context->threads > 1) {
-        pbw__team *team = context->team;
+        pbw_threads *team = context->team;
         team->task = task;
         team->arg = arg;
         team->tasks = tasks;
@@ -1928,6 +1940,18 @@ static void pbw__for(pbw__context *context, int tasks, pbw__task *task, void *ar
         task(arg, i);
     }
 }
+
+#ifdef PBW__THREADS
+/* The options.run of calls that share threads; pbw__context_start takes the threads themselves. */
+static void pbw__run_shared(void *user, int tasks, pbw__task *task, void *arg)
+{
+    pbw__context context;
+    memset(&context, 0, sizeof(context));
+    context.team = (pbw_threads *)user;
+    context.threads = context.team->count + 1;
+    pbw__for(&context, tasks, task, arg);
+}
+#endif
 
 /* Returns the threads for a call on `count` points: few points are finished before a thread has started. */
 static int pbw__thread_count(int asked, size_t count)
@@ -1956,6 +1980,50 @@ static void pbw__context_start(pbw__context *context, const pbw_options *options
     context->threads = pbw__thread_count(context->options.threads, count);
 #ifdef PBW__THREADS
     context->caller = PBW__THIS_THREAD();
+    if (context->options.run == pbw__run_shared) {
+        context->team = (pbw_threads *)context->options.run_user;
+        context->options.run = NULL;
+    }
+#endif
+}
+
+PBWDEF pbw_threads *pbw_threads_start(const pbw_options *options, size_t count, pbw_options *inner)
+{
+    pbw__context context;
+    pbw__context_start(&context, options, count);
+    memset(inner, 0, sizeof(*inner));
+    if (options != NULL) {
+        *inner = *options;
+    }
+#ifdef PBW__THREADS
+    if (context.threads > 1 && inner->threads >= 0 && inner->threads <= 256 && inner->run == NULL) {
+        pbw__team_start(&context);
+    }
+    if (context.team != NULL && inner->run == NULL) {
+        context.team->memory = context.memory;
+        context.team->shared = 1;
+        inner->memory_limit = pbw_memory_left(&context.memory);
+        inner->run = pbw__run_shared;
+        inner->run_user = context.team;
+        return context.team;
+    }
+#endif
+    return NULL;
+}
+
+PBWDEF void pbw_threads_stop(pbw_threads *threads)
+{
+#ifdef PBW__THREADS
+    pbw__context context;
+    if (threads != NULL) {
+        memset(&context, 0, sizeof(context));
+        context.memory = threads->memory;
+        context.team = threads;
+        threads->shared = 0;
+        pbw__team_stop(&context);
+    }
+#else
+    (void)threads;
 #endif
 }
 
@@ -9040,191 +9108,63 @@ PBWDEF pbw_status pbw_order(int dim, const double *points, size_t count, const p
 
    They are compiled behind this file, in one source file, and refuse another number.
 
-     PBW__DEVICE                check             interface
-     pbw__abs                   query live        platform
-     PBW__ADD                   live              platform
-     PBW__AVX2                  query live        platform
-     PBW__BY_DIM                query live        platform
-     PBW__CAS                   live              platform
-     pbw__fp                    live              platform
-     pbw__fp_enter              live              platform
-     pbw__fp_is_exact           live              platform
-     pbw__fp_leave              live              platform
-     pbw__hash_doubles          check live        platform
-     pbw__hash_entry            query live        platform
-     PBW__INLINE                check query live  platform
-     PBW__LIKELY                query live        platform
-     PBW__LOAD                  query live        platform
-     pbw__max                   query live        platform
-     pbw__max_abs               query             platform
-     PBW__NOINLINE              check query live  platform
-     PBW__PREFETCH              query live        platform
-     PBW__PREFETCH_TO_WRITE     live              platform
-     PBW__SIMD                  query live        platform
-     pbw__square_root           query             platform
-     pbw__squared               query live        platform
-     PBW__STORE                 live              platform
-     PBW__STORE_RELEASE         live              platform
-     PBW__UNLIKELY              query live        platform
-     pbw__abs4                  live              lanes
-     pbw__and4                  query live        lanes
-     pbw__at_least              query live        lanes
-     pbw__blend                 live              lanes
-     pbw__columns               live              lanes
-     pbw__count4                query live        lanes
-     pbw__d4                    query live        lanes
-     pbw__det2                  live              lanes
-     pbw__equal                 query live        lanes
-     pbw__first                 live              lanes
-     pbw__first_lanes           query             lanes
-     pbw__fma                   live              lanes
-     pbw__fnma                  live              lanes
-     pbw__four                  query live        lanes
-     pbw__greater               query live        lanes
-     pbw__half                  live              lanes
-     pbw__i4                    query             lanes
-     pbw__join                  live              lanes
-     pbw__l4                    query             lanes
-     pbw__load4d                query live        lanes
-     pbw__mask                  query             lanes
-     pbw__max4                  query live        lanes
-     pbw__min_lane              live              lanes
-     PBW__OPERATION             live              lanes
-     pbw__or4                   query             lanes
-     pbw__order4                query             lanes
-     pbw__order4_of             query             lanes
-     pbw__reorder               query             lanes
-     pbw__signs                 query live        lanes
-     PBW__SIMD_INLINE           query live        lanes
-     pbw__simd_works            query live        lanes
-     pbw__splat                 query live        lanes
-     pbw__allocate              check query live  memory
-     pbw__allocate_large        check query live  memory
-     pbw__block                 live              memory
-     pbw__block_of              live              memory
-     pbw__context               check query live  memory
-     pbw__populate              live              memory
-     PBW__RELEASE               query live        memory
-     pbw__release               check query live  memory
-     PBW__RESIZE                query live        memory
-     pbw__begin_call            check query       threads
-     pbw__context_start         live              threads
-     pbw__end_call              check query       threads
-     pbw__enter_stage           check query live  threads
-     pbw__for                   live              threads
-     pbw__for_range             check query live  threads
-     pbw__report                check query live  threads
-     pbw__share                 live              threads
-     PBW__SMALLER               live              threads
-     pbw__tasks                 check live        threads
-     pbw__team_stop             live              threads
-     PBW__TEST_PAUSE            live              threads
-     PBW__TICK                  check query live  threads
-     pbw__column                query             exact
-     pbw__digit                 check query       exact
-     PBW__DIGIT_BITS            query             exact
-     pbw__exact_difference      query             exact
-     pbw__exact_sign            query             exact
-     pbw__exact_sum             query             exact
-     pbw__exact_unit            query             exact
-     pbw__integer               query             exact
-     PBW__POOL                  check query       exact
-     pbw__power_of_two          query             exact
-     pbw__product               query             exact
-     pbw__grid                  check query live  grid
-     pbw__grid_add              check             grid
-     pbw__grid_close            check             grid
-     pbw__grid_share            check             grid
-     pbw__grid_share_reset      check             grid
-     PBW__CIRCLE_ERROR          live              predicates
-     pbw__collinear3            check             predicates
-     pbw__conflict              query live        predicates
-     pbw__conflict_in           check             predicates
-     PBW__EAR_ERROR             live              predicates
-     pbw__exponent              query             predicates
-     PBW__FILTER_ORIENT2_ERROR  query             predicates
-     PBW__FILTER_ORIENT3_ERROR  query             predicates
-     PBW__OPEN                  check             predicates
-     pbw__orient                check live        predicates
-     PBW__ORIENT2_ERROR         live              predicates
-     PBW__ORIENT3_ERROR         live              predicates
-     pbw__orient_in             check             predicates
-     pbw__pair_difference       query             predicates
-     pbw__pair_minus            query             predicates
-     pbw__pair_plus             query             predicates
-     pbw__pair_scaled           query             predicates
-     pbw__pair_times            query             predicates
-     pbw__power                 query             predicates
-     PBW__REACH_ERROR           query             predicates
-     pbw__side                  query live        predicates
-     PBW__SPHERE_ERROR          live              predicates
-     PBW__TIME_ERROR            live              predicates
-     PBW__TIME_LEAST            live              predicates
-     pbw__box                   check query       curve
-     pbw__box_add               check query       curve
-     pbw__box_close             check             curve
-     pbw__box_reset             check query       curve
-     pbw__curve                 check             curve
-     pbw__curve_create          check             curve
-     pbw__fetch                 query             curve
-     pbw__hilbert_key           check             curve
-     pbw__index_bits            live              curve
-     pbw__input                 query live        curve
-     pbw__input_check           live              curve
-     pbw__input_of              query live        curve
-     PBW__POINT_LIMIT           live              curve
-     PBW__DIGITS                check live        sort
-     pbw__sort_by               check live        sort
-     pbw__sort_keys             live              sort
-     pbw__sorting               check live        sort
-     pbw__make_canonical        live              order
-     pbw__order                 query live        order
-     pbw__same_place            check live        order
-     pbw__vertices              query live        order
-     pbw__vertices_free         query live        order
-     PBW__DEFERRED              live              mesh
-     pbw__facet_corners         live              mesh
-     PBW__GHOST                 live              mesh
-     PBW__GROW                  live              mesh
-     pbw__kernel                live              mesh
-     pbw__kernel_attach         live              mesh
-     pbw__kernel_free           live              mesh
-     pbw__link                  live              mesh
-     PBW__NOBODY                live              mesh
-     pbw__ownership             live              mesh
-     pbw__simplex_conflict      live              mesh
-     PBW__SIMPLEX_LIMIT         live              mesh
-     pbw__slots                 live              mesh
-     pbw__store                 live              mesh
-     pbw__grow_lists            live              slots
-     pbw__leave_cavity          live              slots
-     pbw__region_bits           live              slots
-     pbw__store_free            live              slots
-     pbw__store_reserve         live              slots
-     pbw__take_slots            live              slots
-     pbw__exit                  live              walk
-     pbw__point4                live              walk
-     pbw__point4_of             live              walk
-     pbw__rows4                 live              walk
-     pbw__rows4_of              live              walk
-     pbw__walk_start            live              walk
-     pbw__dot4                  live              cavity3
-     pbw__build_all             live              build
-     pbw__kernel_create         live              build
-     pbw__scratch_create        live              build
-     pbw__is_ours               live              parallel
-     pbw__owns_zone             live              parallel
-     pbw__canonical_order       live              number
-     pbw__emission              live              number
-     PBW__SOON                  live              number
-     pbw__emission_start        live              output
-     pbw__emit_all              live              output
-     pbw__make_incident         live              output
-     pbw__output                live              output
-     pbw__owned                 live              output
-     pbw__has_arrays            check query live  seam
-     PBW__SEAM_BEGIN            check query live  seam
-     PBW__SEAM_END              check query live  seam
+     PBW__DEVICE                                                                        check            interface
+     pbw__hash_doubles                                                                  check live       platform
+     PBW__INLINE PBW__NOINLINE                                                          check query live platform
+     PBW__ADD PBW__CAS pbw__fp pbw__fp_enter pbw__fp_is_exact pbw__fp_leave             live             platform
+     PBW__PREFETCH_TO_WRITE PBW__STORE PBW__STORE_RELEASE                               live             platform
+     pbw__max_abs pbw__square_root                                                      query            platform
+     pbw__abs PBW__AVX2 PBW__BY_DIM pbw__hash_entry PBW__LIKELY PBW__LOAD pbw__max      query live       platform
+     PBW__PREFETCH PBW__SIMD pbw__squared PBW__UNLIKELY                                 query live       platform
+     pbw__abs4 pbw__blend pbw__columns pbw__det2 pbw__first pbw__fma pbw__fnma          live             lanes
+     pbw__half pbw__join pbw__min_lane PBW__OPERATION                                   live             lanes
+     pbw__first_lanes pbw__i4 pbw__l4 pbw__mask pbw__or4 pbw__order4 pbw__order4_of     query            lanes
+     pbw__reorder                                                                       query            lanes
+     pbw__and4 pbw__at_least pbw__count4 pbw__d4 pbw__equal pbw__four pbw__greater      query live       lanes
+     pbw__load4d pbw__max4 pbw__signs PBW__SIMD_INLINE pbw__simd_works pbw__splat       query live       lanes
+     pbw__allocate pbw__allocate_large pbw__context pbw__release                        check query live memory
+     pbw__block pbw__block_of pbw__populate                                             live             memory
+     PBW__RELEASE PBW__RESIZE                                                           query live       memory
+     pbw__tasks                                                                         check live       threads
+     pbw__begin_call pbw__end_call                                                      check query      threads
+     pbw__enter_stage pbw__for_range pbw__report PBW__TICK                              check query live threads
+     pbw__context_start pbw__for pbw__share PBW__SMALLER pbw__team_stop                 live             threads
+     PBW__TEST_PAUSE                                                                    live             threads
+     pbw__digit PBW__POOL                                                               check query      exact
+     pbw__column PBW__DIGIT_BITS pbw__exact_difference pbw__exact_sign pbw__exact_sum   query            exact
+     pbw__exact_unit pbw__integer pbw__power_of_two pbw__product                        query            exact
+     pbw__grid_add pbw__grid_close pbw__grid_share pbw__grid_share_reset                check            grid
+     pbw__grid                                                                          check query live grid
+     pbw__collinear3 pbw__conflict_in PBW__OPEN pbw__orient_in                          check            predicates
+     pbw__orient                                                                        check live       predicates
+     PBW__CIRCLE_ERROR PBW__EAR_ERROR PBW__ORIENT2_ERROR PBW__ORIENT3_ERROR             live             predicates
+     PBW__SPHERE_ERROR PBW__TIME_ERROR PBW__TIME_LEAST                                  live             predicates
+     pbw__exponent PBW__FILTER_ORIENT2_ERROR PBW__FILTER_ORIENT3_ERROR                  query            predicates
+     pbw__pair_difference pbw__pair_minus pbw__pair_plus pbw__pair_scaled               query            predicates
+     pbw__pair_times pbw__power PBW__REACH_ERROR                                        query            predicates
+     pbw__conflict pbw__side                                                            query live       predicates
+     pbw__box_close pbw__curve pbw__curve_create pbw__hilbert_key                       check            curve
+     pbw__box pbw__box_add pbw__box_reset                                               check query      curve
+     pbw__index_bits pbw__input_check PBW__POINT_LIMIT                                  live             curve
+     pbw__fetch                                                                         query            curve
+     pbw__input pbw__input_of                                                           query live       curve
+     PBW__DIGITS pbw__sort_by pbw__sorting                                              check live       sort
+     pbw__sort_keys                                                                     live             sort
+     pbw__same_place                                                                    check live       order
+     pbw__make_canonical                                                                live             order
+     pbw__order pbw__vertices pbw__vertices_free                                        query live       order
+     PBW__DEFERRED pbw__facet_corners PBW__GHOST PBW__GROW pbw__kernel                  live             mesh
+     pbw__kernel_attach pbw__kernel_free pbw__link PBW__NOBODY pbw__ownership           live             mesh
+     pbw__simplex_conflict PBW__SIMPLEX_LIMIT pbw__slots pbw__store                     live             mesh
+     pbw__grow_lists pbw__leave_cavity pbw__region_bits pbw__store_free                 live             slots
+     pbw__store_reserve pbw__take_slots                                                 live             slots
+     pbw__exit pbw__point4 pbw__point4_of pbw__rows4 pbw__rows4_of pbw__walk_start      live             walk
+     pbw__dot4                                                                          live             cavity3
+     pbw__build_all pbw__kernel_create pbw__scratch_create                              live             build
+     pbw__is_ours pbw__owns_zone                                                        live             parallel
+     pbw__canonical_order pbw__emission PBW__SOON                                       live             number
+     pbw__emission_start pbw__emit_all pbw__make_incident pbw__output pbw__owned        live             output
+     pbw__has_arrays PBW__SEAM_BEGIN PBW__SEAM_END                                      check query live seam
    ------------------------------------------------------------------------------------------------------ */
 #define PBW__SEAM 1
 
@@ -9705,9 +9645,10 @@ PBWDEF pbw_status pbw_triangulatef(int dim, const float *points, const float *we
 
 /* ------------------------------------------------------------------------------------------------------
    >>history
-   0.2.0   2026-11-28   New: pbw_for, pbw_order, pbw_conflict2, pbw_conflict3, pbw_hash_parts; the base of the
-                        companions, pbw_memory to PBW_FACET_CORNER; PBW_CURVE_ORDER and mesh.original, PBW_BORROW;
-                        PBW_STAGE_WORK; loops and cells of pbw_cuda.cu, boxes that repeat; pbw_job.memory_limit.
+   0.2.0   2026-11-28   New: pbw_for, pbw_threads_start, pbw_order, pbw_conflict2, pbw_conflict3, pbw_hash_parts; the
+                        base of the companions, pbw_memory to PBW_FACET_CORNER; PBW_CURVE_ORDER and mesh.original,
+                        PBW_BORROW; PBW_STAGE_WORK; loops and cells of pbw_cuda.cu, boxes that repeat;
+                        pbw_job.memory_limit.
                         Changed: pbw_hash takes options, and is 0 for what is no mesh; arguments are checked before
                         progress is called.
                         Queries are in pbw_query.h, live triangulations in pbw_live.h, pbw_check in pbw_check.h:

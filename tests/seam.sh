@@ -32,10 +32,13 @@ END
 for header in pbw.h examples/lib/*.h; do
     awk -f "$work/names.awk" "$header" | LC_ALL=C sort > "$work/$(basename "$header" .h).names"
 done
-# The room >>seam of a header, a line for each name and user: name, user.
+# The room >>seam of a header, a line for each name and user: name, user.  Its lines have names, users, and a room.
 listed() {
     awk '/^   >>[a-z]/ { inside = $1 == ">>seam" }
-        inside && /^     (pbw|PBW)[A-Za-z0-9]*__/ { for (i = 2; i < NF; i++) print $1, $i }' "$1" | LC_ALL=C sort
+        inside && /^     (pbw|PBW)[A-Za-z0-9]*__/ {
+            for (names = 0; $(names + 1) ~ /__/; names++) { }
+            for (k = 1; k <= names; k++) for (i = names + 1; i < NF; i++) print $k, $i
+        }' "$1" | LC_ALL=C sort
 }
 used() {        # used NAME PREFIX: the same, of what the other headers use of that one
     awk -v prefix="$(echo "$2" | tr A-Z a-z)__" -v own="$1" '
@@ -56,9 +59,9 @@ done
 # The check sees a name too few, one too many, and a user too few.
 differs() { ! cmp -s pbw.h "$1" && ! agrees pbw "$1"; }
 seam='/^   >>seam/,/^#define/'
-sed "$seam s/^     pbw__release .*//" pbw.h > "$work/few.h"
-sed "$seam s/^     pbw__release .*/&\n     pbw__for_nobody  query live  memory/" pbw.h > "$work/many.h"
-sed "$seam s/^\(     pbw__release  *\)check query live/\1check query     /" pbw.h > "$work/user.h"
+sed "$seam s/ pbw__release / /" pbw.h > "$work/few.h"
+sed "$seam s/ pbw__release / &pbw__for_nobody /" pbw.h > "$work/many.h"
+sed "$seam { / pbw__release /s/ live / / }" pbw.h > "$work/user.h"
 for change in few $([ -n "$QUICK" ] || echo many user); do
     check "a list with a name or user too few or too many is refused: $change" differs "$work/$change.h"
 done

@@ -209,6 +209,55 @@ static void test_job_systems(size_t count)
     }
 }
 
+/* Calls share threads that were started before, even if no memory or no thread could be had for them.  None are
+   started for calls that the caller's job system runs, or that will be refused. */
+static void test_shared_threads(size_t count)
+{
+    int dim, lack;
+    for (dim = 2; dim <= 3; dim++) {
+        if (test_begin("shared threads: %dD", dim)) {
+            points p = points_make(INPUT_GAUSS, dim, count, INPUT_WEIGHTS_SMALL);
+            pbw_options one = with_threads(1), five = with_threads(5), inner, again;
+            pbw_mesh right, mesh;
+            meter m;
+            long calls = 0;
+            CHECK_EQUAL(pbw_triangulate(dim, p.x, p.w, count, &one, &right), PBW_OK);
+            five.resize = meter_resize;
+            five.resize_user = &m;
+            five.memory_limit = (size_t)1 << 30;
+            for (lack = 0; lack < 3; lack++) {       /* of nothing, of memory, of threads */
+                pbw_threads *threads, *others;
+                meter_start(&m, lack == 1, 0);
+                threads_allowed = lack == 2 ? 0 : -1;
+                threads = pbw_threads_start(&five, count, &inner);
+                CHECK((threads != NULL) == (lack != 1));
+                CHECK(inner.memory_limit > 0 && (inner.memory_limit < five.memory_limit) == (lack != 1));
+                threads_allowed = lack == 0 ? 0 : -1;
+                compare(&p, inner, &right);
+                others = pbw_threads_start(&inner, count, &again);
+                CHECK((others == NULL && again.run == inner.run) == (lack != 1));
+                CHECK_EQUAL(pbw_triangulate(dim, p.x, p.w, count, &again, &mesh), PBW_OK);
+                CHECK(meshes_equal(&mesh, &right) && mesh.statistics.threads == 5);
+                pbw_free(&mesh);
+                pbw_threads_stop(others);
+                pbw_threads_stop(threads);
+                CHECK(m.blocks == 0 && m.bytes == 0 && m.faults == 0);
+                threads_allowed = -1;
+            }
+            five.run = run_backwards;
+            five.run_user = &calls;
+            CHECK(pbw_threads_start(&five, count, &inner) == NULL && inner.run == run_backwards);
+            one.threads = -1;
+            CHECK(pbw_threads_start(&one, count, &inner) == NULL && inner.threads == -1);
+            CHECK(pbw_threads_start(NULL, 0, &inner) == NULL && inner.run == NULL);
+            pbw_threads_stop(NULL);
+            pbw_free(&right);
+            points_free(&p);
+            test_end();
+        }
+    }
+}
+
 static void sleep_until_report(void)
 {
     const struct timespec rest = { 0, 1000000 };
@@ -761,6 +810,7 @@ int main(int argc, char **argv)
     test_start(argc, argv, COUNT);
     count = (size_t)test_count;
     test_same_bytes(count);
+    test_shared_threads(count);
     test_job_systems(count);
     test_progress(count);
     test_cancelled_order();

@@ -4462,6 +4462,8 @@ PBWDEF pbw_status pbw_improve(const pbw_tets *mesh, const pbw_improve_options *h
 {
     pbwim__mesh m;
     pbw_improve_report own;
+    pbw_options shared;
+    pbw_threads *threads;
     pbw_status status;
     const double target = how != NULL && how->target > 0 ? how->target : 30;
     memset(&m, 0, sizeof m);
@@ -4476,8 +4478,9 @@ PBWDEF pbw_status pbw_improve(const pbw_tets *mesh, const pbw_improve_options *h
         || (mesh->edge_count > 0 && mesh->edges == NULL)) {
         return PBW_ERROR_ARGUMENT;
     }
-    pbw_memory_start(&m.memory, options);
-    m.options = options;
+    threads = pbw_threads_start(options, 16 * mesh->tet_count, &shared);
+    pbw_memory_start(&m.memory, &shared);
+    m.options = &shared;
     m.project = how != NULL ? how->project : NULL;
     m.project_user = how != NULL ? how->project_user : NULL;
     m.distance = how != NULL ? PBWIM__DISTANCE_SHARE * how->distance : 0;
@@ -4493,9 +4496,10 @@ PBWDEF pbw_status pbw_improve(const pbw_tets *mesh, const pbw_improve_options *h
                             + report->splits + report->moves == 0) {
         report->after = report->before;
     } else if (status == PBW_OK) {
-        const pbw_options inner = pbwim__inner_options(options, &m.memory);
+        const pbw_options inner = pbwim__inner_options(&shared, &m.memory);
         (void)pbw_tets_quality(better, &inner, &report->after);
     }
+    pbw_threads_stop(threads);
     return status;
 }
 

@@ -6616,6 +6616,8 @@ PBWDEF pbw_status pbw_solid(const pbw_solid_input *input, const pbw_solid_option
     pbwm3__result r;
     pbwm3__call call;
     pbwm3__work w;
+    pbw_options shared;
+    pbw_threads *threads;
     pbw_status status = PBW_ERROR_ARGUMENT;
     double done = 0.42;
     memset(&r, 0, sizeof r);
@@ -6625,14 +6627,16 @@ PBWDEF pbw_status pbw_solid(const pbw_solid_input *input, const pbw_solid_option
         && (how == NULL || pbwm3__are_options(how))) {
         call.input = input;
         call.how = how;
-        call.options = options;
+        call.options = &shared;
         call.held = 0;
+        threads = pbw_threads_start(options, (size_t)1 << 20, &shared);
         call.deadline = how != NULL && how->improve.seconds > 0
                   ? (double)clock() / CLOCKS_PER_SEC + how->improve.seconds : HUGE_VAL;
         status = pbwm3__attempt(&call, 0, how != NULL ? how->sharp : PBW_SOLID_SHARP_AUTO, 0, &r.report, &w);
         status = status != PBW_OK ? status : pbwm3__second_attempt(&call, &w, &done);
         status = status != PBW_OK ? status : pbwm3__complete(&w, done, &r);
         pbwm3__free(&w);
+        pbw_threads_stop(threads);
     }
     if (mesh != NULL) {
         *mesh = r.mesh;
