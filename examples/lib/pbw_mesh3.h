@@ -766,17 +766,32 @@ static pbw_status pbwm3__take_triangles(pbwm3__work *w, const pbw_solid_input *i
 
 typedef size_t pbwm3__nodes[2];
 
+/* A cube that the surface crosses.  Each of its edges belongs to the lowest cube that has it. */
+typedef struct pbwm3__cube {
+    size_t node;                           /* its first one */
+    pbw_index vertices, triangles;         /* how many are its own; then the numbers of the first ones */
+} pbwm3__cube;
+
+enum { PBWM3__EDGES = 27 };                /* room for the 19 edges of a cube: pbwm3__edge_of */
+
 typedef struct pbwm3__grid {
     pbwm3__work *w;
     size_t n[3];                           /* nodes along the axes */
     double step;
     pbwsf__numbers value;                  /* per node */
-    pbwsf__flags crossed;                  /* per node: 1, the surface crosses the cube that it is the first of */
-    size_t window;                         /* nodes of two layers */
-    pbwsf__indices crossing;               /* per node of the window and direction 1..7, the last vertex that was put
-                                              on such an edge */
+    pbwsf__indices crossed;                /* per node: the number of the cube that it is the first of, or PBW_NONE */
+    PBW_ARRAY(pbwm3__cube) cube;
+    pbwsf__indices number;                 /* per cube and edge: of the vertex there, among those of the cube */
     PBW_ARRAY(pbwm3__nodes) ends;          /* of each vertex: the nodes of its edge, that below zero first */
+    int writes;                            /* 0: vertices and triangles are counted */
 } pbwm3__grid;
+
+typedef struct pbwm3__march {              /* through one cube */
+    pbwm3__grid *g;
+    size_t cube;
+    int low;                               /* bits of the axes along which there is no cube before it */
+    pbw_index vertices, triangles;         /* so far */
+} pbwm3__march;
 
 static void pbwm3__node(const pbwm3__work *w, const pbwm3__grid *g, size_t node, double p[3])
 {
@@ -796,76 +811,92 @@ static void pbwm3__root(const pbw_solid_input *in, const double a[3], const doub
     }
 }
 
-/* The vertex on the edge between nodes a and b = a + direction; PBW_NONE if there is no memory. */
-static pbw_index pbwm3__cross_edge(pbwm3__work *w, pbwm3__grid *g, size_t a, size_t b, int direction)
-{
-    pbw_index *vertex = g->crossing.at + 7 * (a % g->window) + (size_t)(direction - 1);
-    const double *value = g->value.at;
-    const size_t ends[2] = { value[a] < 0 ? a : b, value[a] < 0 ? b : a };
-    if (*vertex < g->ends.count && memcmp(g->ends.at[*vertex], ends, sizeof ends) == 0) {
-        return *vertex;
-    }
-    if (g->ends.count >= PBW_NONE / 8 || !PBWM3__APPEND(w, g->ends, ends)) {
-        return PBW_NONE;
-    }
-    *vertex = (pbw_index)(g->ends.count - 1);
-    return *vertex;
-}
-
-/* Adds the triangles of one tetrahedron.  Its corners are nodes in ascending order; bits: the steps along the axes
-   from the first one to each. */
-static int pbwm3__cross_tet(pbwm3__work *w, pbwm3__grid *g, const size_t node[4], const int bits[4])
-{
-    const double *value = g->value.at;
-    pbw_index v[4], t[3];
-    int in[4], out[4], ins = 0, outs = 0, count = 0, i, k;
-    for (i = 0; i < 4; i++) {
-        if (value[node[i]] < 0) {
-            in[ins++] = i;
-        } else {
-            out[outs++] = i;
-        }
-    }
-    for (i = 0; i < ins; i++) {                      /* in turn around the quadrilateral of two and two */
-        for (k = 0; k < outs; k++) {
-            const int o = out[ins == 2 && i == 1 ? 1 - k : k];
-            const int a = in[i] < o ? in[i] : o, b = in[i] < o ? o : in[i];
-            v[count] = pbwm3__cross_edge(w, g, node[a], node[b], bits[b] - bits[a]);
-            if (v[count++] == PBW_NONE) {
-                return 0;
-            }
-        }
-    }
-    for (i = 2; i < count; i++) {
-        t[0] = v[0], t[1] = v[i - 1], t[2] = v[i];
-        if (!PBWM3__APPEND(w, w->triangles, t)) {
-            return 0;
-        }
-    }
-    return 1;
-}
-
 /* Corner i of the cube that a node is the first of. */
 static size_t pbwm3__cube_corner(const pbwm3__grid *g, size_t node, int i)
 {
     return node + (size_t)(i & 1) + (size_t)(i >> 1 & 1) * g->n[0] + (size_t)(i >> 2) * g->n[0] * g->n[1];
 }
 
-static int pbwm3__cross_cube(pbwm3__work *w, pbwm3__grid *g, size_t node)
+/* The number of an edge of a cube, from corner i: a digit 0, 1 or 2 for each axis, 2 where the edge runs along it. */
+static size_t pbwm3__edge_of(int i, int direction)
+{
+    static const size_t digits[8] = { 0, 1, 3, 4, 9, 10, 12, 13 };
+    return digits[i] + 2 * digits[direction];
+}
+
+/* The vertex on the edge between two corners of the cube, the first of them below zero. */
+static pbw_index pbwm3__cross_edge(pbwm3__march *m, int in, int out)
+{
+    const pbwm3__grid *g = m->g;
+    const size_t node = g->cube.at[m->cube].node;
+    const int direction = in ^ out, from = in & out, back = 7 & ~(direction | from | m->low);
+    const size_t owner = back == 0 ? m->cube : g->crossed.at[node - pbwm3__cube_corner(g, 0, back)];
+    pbw_index *number = g->number.at + PBWM3__EDGES * owner + pbwm3__edge_of(from | back, direction), vertex;
+    if (!g->writes) {
+        if (back == 0 && *number == PBW_NONE) {
+            *number = m->vertices++;
+        }
+        return 0;
+    }
+    vertex = g->cube.at[owner].vertices + *number;
+    if (back == 0) {
+        g->ends.at[vertex][0] = pbwm3__cube_corner(g, node, in);
+        g->ends.at[vertex][1] = pbwm3__cube_corner(g, node, out);
+    }
+    return vertex;
+}
+
+/* Makes the triangles of one tetrahedron, by its corners of the cube. */
+static void pbwm3__cross_tet(pbwm3__march *m, const int corner[4])
+{
+    const pbwm3__grid *g = m->g;
+    const pbwm3__cube *cube = g->cube.at + m->cube;
+    pbw_index v[4], *t;
+    int in[4], out[4], ins = 0, outs = 0, count = 0, i, k;
+    for (i = 0; i < 4; i++) {
+        if (g->value.at[pbwm3__cube_corner(g, cube->node, corner[i])] < 0) {
+            in[ins++] = corner[i];
+        } else {
+            out[outs++] = corner[i];
+        }
+    }
+    for (i = 0; i < ins; i++) {                      /* in turn around the quadrilateral of two and two */
+        for (k = 0; k < outs; k++) {
+            v[count++] = pbwm3__cross_edge(m, in[i], out[ins == 2 && i == 1 ? 1 - k : k]);
+        }
+    }
+    for (i = 2; i < count; i++, m->triangles++) {
+        if (g->writes) {
+            t = g->w->triangles.at[cube->triangles + m->triangles];
+            t[0] = v[0], t[1] = v[i - 1], t[2] = v[i];
+        }
+    }
+}
+
+/* Counts the vertices and triangles of cubes, or writes them. */
+static pbw_status pbwm3__cross_range(void *arg, size_t from, size_t to)
 {
     static const int path[6][4] = { { 0, 1, 3, 7 }, { 0, 1, 5, 7 }, { 0, 2, 3, 7 }, { 0, 2, 6, 7 }, { 0, 4, 5, 7 },
                                     { 0, 4, 6, 7 } };
-    size_t tet[4];
-    int i, k;
-    for (i = 0; i < 6; i++) {
-        for (k = 0; k < 4; k++) {
-            tet[k] = pbwm3__cube_corner(g, node, path[i][k]);
+    pbwm3__grid *g = (pbwm3__grid *)arg;
+    int i;
+    for (; from < to; from++) {
+        pbwm3__cube *cube = g->cube.at + from;
+        pbwm3__march m = { g, from, 0, 0, 0 };
+        m.low = (cube->node % g->n[0] == 0) + 2 * (cube->node / g->n[0] % g->n[1] == 0)
+              + 4 * (cube->node < g->n[0] * g->n[1]);
+        if (!g->writes) {
+            memset(g->number.at + PBWM3__EDGES * from, 0xff, PBWM3__EDGES * sizeof *g->number.at);
         }
-        if (!pbwm3__cross_tet(w, g, tet, path[i])) {
-            return 0;
+        for (i = 0; i < 6; i++) {
+            pbwm3__cross_tet(&m, path[i]);
+        }
+        if (!g->writes) {
+            cube->vertices = m.vertices;
+            cube->triangles = m.triangles;
         }
     }
-    return 1;
+    return PBW_OK;
 }
 
 static pbw_status pbwm3__value_range(void *arg, size_t from, size_t to)
@@ -881,20 +912,28 @@ static pbw_status pbwm3__value_range(void *arg, size_t from, size_t to)
     return PBW_OK;
 }
 
-static pbw_status pbwm3__crossed_range(void *arg, size_t from, size_t to)
+/* Lists the cube of a node if its corners are on both sides of zero. */
+static size_t pbwm3__list_cube(void *lists, size_t node, size_t at)
 {
-    const pbwm3__grid *g = (const pbwm3__grid *)arg;
-    for (; from < to; from++) {
-        int i, below = 0;
-        if (from % g->n[0] + 1 < g->n[0] && from / g->n[0] % g->n[1] + 1 < g->n[1]
-            && from / g->n[0] / g->n[1] + 1 < g->n[2]) {
-            for (i = 0; i < 8; i++) {
-                below += g->value.at[pbwm3__cube_corner(g, from, i)] < 0;
-            }
-        }
-        g->crossed.at[from] = below > 0 && below < 8;
+    const pbwm3__grid *g = (const pbwm3__grid *)lists;
+    const double *value = g->value.at + node;
+    const size_t row = g->n[0], layer = g->n[0] * g->n[1];
+    size_t below, crossed;
+    if (node + layer + row + 1 >= layer * g->n[2]) {
+        below = 0;
+    } else {
+        below = (size_t)(value[0] < 0) + (size_t)(value[1] < 0) + (size_t)(value[row] < 0)
+              + (size_t)(value[row + 1] < 0) + (size_t)(value[layer] < 0) + (size_t)(value[layer + 1] < 0)
+              + (size_t)(value[layer + row] < 0) + (size_t)(value[layer + row + 1] < 0);
     }
-    return PBW_OK;
+    crossed = below % 8 != 0 && node % row + 1 < row && node / row % g->n[1] + 1 < g->n[1];
+    if (at != PBWM3__COUNTS) {
+        g->crossed.at[node] = crossed ? (pbw_index)at : PBW_NONE;
+        if (crossed) {
+            g->cube.at[at].node = node;
+        }
+    }
+    return crossed;
 }
 
 static pbw_status pbwm3__root_range(void *arg, size_t from, size_t to)
@@ -911,12 +950,43 @@ static pbw_status pbwm3__root_range(void *arg, size_t from, size_t to)
     return PBW_OK;
 }
 
-/* Makes the triangles, with edges of the grid as corners; then threads find the places on these edges. */
+/* Makes the triangles, with edges of the grid as corners. */
+static int pbwm3__cross_cubes(pbwm3__work *w, pbwm3__grid *g, size_t nodes)
+{
+    pbwm3__listing listing;
+    size_t cubes, vertices = 0, triangles = 0, i;
+    if (!pbwm3__count_list(w, nodes, pbwm3__list_cube, g, &listing, &cubes)
+        || !pbwm3__write_list(w, &listing, PBW_FIT(&w->memory, g->cube, cubes + 1)
+                                           && PBW_FIT(&w->memory, g->number, PBWM3__EDGES * (cubes + 1)))
+        || !pbwm3__for(w, cubes, 256, pbwm3__cross_range, g)) {
+        return 0;
+    }
+    for (i = 0; i < cubes; i++) {
+        pbwm3__cube *cube = g->cube.at + i;
+        const size_t here[2] = { cube->vertices, cube->triangles };
+        cube->vertices = (pbw_index)vertices;
+        cube->triangles = (pbw_index)triangles;
+        vertices += here[0];
+        triangles += here[1];
+        if (vertices >= PBW_NONE / 8) {
+            return 0;
+        }
+    }
+    g->writes = 1;
+    if (!PBW_FIT(&w->memory, g->ends, vertices + 1) || !PBW_FIT(&w->memory, w->triangles, triangles + 1)) {
+        return 0;
+    }
+    g->ends.count = vertices;
+    w->triangles.count = triangles;
+    return pbwm3__for(w, cubes, 256, pbwm3__cross_range, g);
+}
+
+/* Makes the triangles; then threads find the places of their corners. */
 static pbw_status pbwm3__take_function(pbwm3__work *w)
 {
     pbwm3__grid g;
     pbw_status status = PBW_ERROR_MEMORY;
-    size_t nodes = 1, i;
+    size_t nodes = 1;
     int k;
     memset(&g, 0, sizeof g);
     g.w = w;
@@ -925,15 +995,9 @@ static pbw_status pbwm3__take_function(pbwm3__work *w)
         g.n[k] = (size_t)ceil((w->high[k] - w->low[k]) / g.step) + 1;
         nodes *= g.n[k];
     }
-    g.window = 2 * g.n[0] * g.n[1];
-    if (PBW_FIT(&w->memory, g.value, nodes) && PBW_FIT(&w->memory, g.crossed, nodes)
-        && PBW_ZEROS(&w->memory, g.crossing, 7 * g.window)) {
+    if (PBW_FIT(&w->memory, g.value, nodes) && PBW_FIT(&w->memory, g.crossed, nodes)) {
         status = pbw_for(pbwm3__inner_options(w), nodes, 1024, pbwm3__value_range, &g);
-        status = status != PBW_OK ? status
-               : pbw_for(pbwm3__inner_options(w), nodes, PBWM3__SLICE, pbwm3__crossed_range, &g);
-        for (i = 0; i < nodes && status == PBW_OK; i++) {
-            status = !g.crossed.at[i] || pbwm3__cross_cube(w, &g, i) ? PBW_OK : PBW_ERROR_MEMORY;
-        }
+        status = status == PBW_OK && !pbwm3__cross_cubes(w, &g, nodes) ? PBW_ERROR_MEMORY : status;
     }
     if (status == PBW_OK && !PBW_FIT(&w->memory, w->vertices, g.ends.count + 1)) {
         status = PBW_ERROR_MEMORY;
@@ -944,7 +1008,8 @@ static pbw_status pbwm3__take_function(pbwm3__work *w)
     }
     PBW_RELEASE(&w->memory, g.value);
     PBW_RELEASE(&w->memory, g.crossed);
-    PBW_RELEASE(&w->memory, g.crossing);
+    PBW_RELEASE(&w->memory, g.cube);
+    PBW_RELEASE(&w->memory, g.number);
     PBW_RELEASE(&w->memory, g.ends);
     return status;
 }
@@ -1128,36 +1193,55 @@ static int pbwm3__number_shells(pbwm3__work *w, const pbwm3__orientation *trees)
     return 1;
 }
 
-/* Areas and volumes of the shells, from the middle of the box; closed ones are turned outward. */
-static void pbwm3__measure_shells(pbwm3__work *w)
+typedef struct pbwm3__moments { const pbwm3__work *w; double middle[3], *at; } pbwm3__moments;
+
+/* The volume of each triangle with the middle of the box, and its area. */
+static pbw_status pbwm3__moment_range(void *arg, size_t from, size_t to)
 {
-    const pbw_index *number = w->shell.at;
-    pbwsf__triple *c = w->triangles.at;
-    pbwsf__vector *x = w->vertices.at;
-    pbwm3__shell *shell = w->shells.at;
-    double middle[3];
-    size_t t;
-    int i, k;
-    pbwsf__between(w->low, w->high, 0.5, middle);
-    for (t = 0; t < w->shells.count; t++) {
-        shell[t].volume = shell[t].area = 0;
-    }
-    for (t = 0; t < w->triangles.count; t++) {
+    const pbwm3__moments *moments = (const pbwm3__moments *)arg;
+    for (; from < to; from++) {
+        const pbw_index *c = moments->w->triangles.at[from];
         double p[3][3], n[3];
+        int i, k;
         for (i = 0; i < 3; i++) {
             for (k = 0; k < 3; k++) {
-                p[i][k] = x[c[t][i]][k] - middle[k];
+                p[i][k] = moments->w->vertices.at[c[i]][k] - moments->middle[k];
             }
         }
         pbwsf__normal(p[0], p[1], p[2], n);
-        shell[number[t]].volume += pbwsf__dot(p[0], n) / 6;
-        shell[number[t]].area += sqrt(pbwsf__dot(n, n)) / 2;
+        moments->at[2 * from] = pbwsf__dot(p[0], n) / 6;
+        moments->at[2 * from + 1] = sqrt(pbwsf__dot(n, n)) / 2;
     }
-    for (t = 0; t < w->triangles.count; t++) {
+    return PBW_OK;
+}
+
+/* Areas and volumes of the shells; closed ones are turned outward.  Returns 0 if there is no memory. */
+static int pbwm3__measure_shells(pbwm3__work *w)
+{
+    const pbw_index *number = w->shell.at;
+    pbwm3__shell *shell = w->shells.at;
+    pbwsf__numbers numbers = { NULL, 0, 0 };
+    pbwm3__moments moments;
+    size_t t;
+    int good = PBW_FIT(&w->memory, numbers, 2 * w->triangles.count + 1);
+    moments.w = w;
+    moments.at = numbers.at;
+    pbwsf__between(w->low, w->high, 0.5, moments.middle);
+    good = good && pbwm3__for(w, w->triangles.count, 2048, pbwm3__moment_range, &moments);
+    for (t = 0; t < w->shells.count && good; t++) {
+        shell[t].volume = shell[t].area = 0;
+    }
+    for (t = 0; t < w->triangles.count && good; t++) {
+        shell[number[t]].volume += numbers.at[2 * t];
+        shell[number[t]].area += numbers.at[2 * t + 1];
+    }
+    for (t = 0; t < w->triangles.count && good; t++) {
         if (shell[number[t]].volume < 0 && !shell[number[t]].open) {
             pbwm3__flip_triangle(w, t);
         }
     }
+    PBW_RELEASE(&w->memory, numbers);
+    return good;
 }
 
 /* ---- holes ---- */
@@ -1554,9 +1638,8 @@ static int pbwm3__find_shells(pbwm3__work *w)
     w->first_closing = count;
     w->walls = open.count == 0 && w->report->crowded_edges + w->report->doubles > 0;
     if (good && open.count > 0) {
-        pbwm3__measure_shells(w);
         w->open = w->report->crowded_edges > 0;
-        good = pbwm3__find_holes(w, &open);
+        good = pbwm3__measure_shells(w) && pbwm3__find_holes(w, &open);
         for (i = 0; i < w->shells.count; i++) {
             sum += w->shells.at[i].area;
             w->shells.at[i].open &= w->open;
@@ -1565,8 +1648,8 @@ static int pbwm3__find_shells(pbwm3__work *w)
     }
     if (good && w->walls) {
         good = pbwm3__find_walls(w);
-    } else if (good) {
-        pbwm3__measure_shells(w);
+    } else {
+        good = good && pbwm3__measure_shells(w);
     }
     PBW_RELEASE(&w->memory, parents);
     PBW_RELEASE(&w->memory, flipped);
@@ -3851,23 +3934,84 @@ static void pbwm3__take_sizes(pbwm3__work *w)
     }
 }
 
+typedef struct pbwm3__lengths { const pbwm3__work *w; double *at; } pbwm3__lengths;
+
+static pbw_status pbwm3__length_range(void *arg, size_t from, size_t to)
+{
+    const pbwm3__lengths *lengths = (const pbwm3__lengths *)arg;
+    for (; from < to; from++) {
+        double n[3];
+        pbwsf__normal_of(&lengths->w->surface, (pbw_index)from, n);
+        lengths->at[from] = sqrt(pbwsf__dot(n, n));
+    }
+    return PBW_OK;
+}
+
+/* The lengths of the triangles' normals: twice their areas. */
+static pbw_status pbwm3__measure_normals(pbwm3__work *w, pbwsf__numbers *normal)
+{
+    const size_t count = w->surface.triangle_count;
+    pbwm3__lengths lengths = { w, NULL };
+    if (!PBW_FIT(&w->memory, *normal, count)) {
+        return PBW_ERROR_MEMORY;
+    }
+    lengths.at = normal->at;
+    return pbw_for(pbwm3__inner_options(w), count, 2048, pbwm3__length_range, &lengths);
+}
+
 typedef struct pbwm3__gap {                /* a place on a triangle, and the size there */
     double p[3], size;
+    uint64_t number;                       /* of its random numbers, or of the place */
     pbw_index triangle;
 } pbwm3__gap;
 
-typedef struct pbwm3__gaps {               /* a batch */
+typedef struct pbwm3__gaps {
     pbwm3__work *w;
-    PBW_ARRAY(pbwm3__gap) gap;
-    pbwsf__flags seen;                     /* per cell of the field: 1, a ray began there */
+    PBW_ARRAY(pbwm3__gap) gap;             /* a batch */
+    pbwsf__numbers normal;                 /* lengths, per triangle */
+    pbwsf__counts first;                   /* per triangle: the number of its first place that covers cells, from 1 */
+    pbwsf__counts least;                   /* per cell of the field: 0, a ray began there; else the least place */
     int once;                              /* in each cell that has none, and only thin walls count */
 } pbwm3__gaps;
+
+/* Places on a triangle by two numbers, of which the fractions count. */
+static void pbwm3__gap_place(const pbw_surface *s, pbw_index triangle, double u, double v, double p[3])
+{
+    double q[3];
+    pbwsf__between(pbwsf__corner(s, triangle, 0), pbwsf__corner(s, triangle, 1), u - floor(u), q);
+    pbwsf__between(pbwsf__corner(s, triangle, 2), q, sqrt(v - floor(v)), p);
+}
+
+/* Place k of a triangle of those that cover cells. */
+static void pbwm3__cover_place(const pbw_surface *s, size_t triangle, double k, double p[3])
+{
+    pbwm3__gap_place(s, (pbw_index)triangle, 0.5 + 0.7548776662466927 * k, 0.5 + 0.5698402909980532 * k, p);
+}
+
+/* Returns the triangle of a place. */
+static size_t pbwm3__triangle_of_place(const pbwm3__gaps *gaps, size_t number)
+{
+    size_t low = 0, high = gaps->w->surface.triangle_count;
+    while (high - low > 1) {
+        const size_t middle = (low + high) / 2;
+        *(gaps->first.at[middle] <= number ? &low : &high) = middle;
+    }
+    return low;
+}
 
 static pbw_status pbwm3__gap_range(void *arg, size_t from, size_t to)
 {
     const pbwm3__gaps *gaps = (const pbwm3__gaps *)arg;
+    const pbw_surface *s = &gaps->w->surface;
     for (; from < to; from++) {
         pbwm3__gap *g = gaps->gap.at + from;
+        if (gaps->once) {
+            const size_t number = (size_t)g->number, t = pbwm3__triangle_of_place(gaps, number);
+            g->triangle = (pbw_index)t;
+            pbwm3__cover_place(s, t, (double)(number - gaps->first.at[t]), g->p);
+        } else {
+            pbwm3__gap_place(s, g->triangle, pbwm3__random(g->number), pbwm3__random(g->number + 1), g->p);
+        }
         g->size = pbwm3__measure_gap(gaps->w, g->triangle, g->p);
     }
     return PBW_OK;
@@ -3881,29 +4025,62 @@ static pbw_status pbwm3__lower_gaps(pbwm3__gaps *gaps)
     size_t i;
     for (i = 0; status == PBW_OK && i < gaps->gap.count; i++) {
         const double size = gaps->gap.at[i].size;
-        double *field = w->field.at + pbwm3__field_cell(w, gaps->gap.at[i].p);
+        const size_t cell = pbwm3__field_cell(w, gaps->gap.at[i].p);
+        double *field = w->field.at + cell;
         *field = !gaps->once || size < 0.5 * w->size ? fmin(*field, size) : *field;
+        gaps->least.at[cell] = 0;
     }
     gaps->gap.count = 0;
     return status;
 }
 
-/* Adds a place, by two numbers from 0 to 1. */
-static pbw_status pbwm3__add_gap(pbwm3__gaps *gaps, size_t triangle, double u, double v)
+static pbw_status pbwm3__add_gap(pbwm3__gaps *gaps, size_t triangle, uint64_t number)
 {
-    const pbw_surface *s = &gaps->w->surface;
     pbwm3__gap *gap = gaps->gap.at + gaps->gap.count;
-    unsigned char *seen;
-    double q[3];
     gap->triangle = (pbw_index)triangle;
-    pbwsf__between(pbwsf__corner(s, gap->triangle, 0), pbwsf__corner(s, gap->triangle, 1), u, q);
-    pbwsf__between(pbwsf__corner(s, gap->triangle, 2), q, sqrt(v), gap->p);
-    seen = gaps->seen.at + pbwm3__field_cell(gaps->w, gap->p);
-    if (gaps->once && *seen) {
-        return PBW_OK;
-    }
-    *seen = 1;
+    gap->number = number;
     return ++gaps->gap.count == PBWM3__BATCH ? pbwm3__lower_gaps(gaps) : PBW_OK;
+}
+
+/* Finds the least place of a range in each cell without a ray. */
+static pbw_status pbwm3__cover_range(void *arg, size_t from, size_t to)
+{
+    const pbwm3__gaps *gaps = (const pbwm3__gaps *)arg;
+    const size_t *first = gaps->first.at;
+    size_t i, t = pbwm3__triangle_of_place(gaps, from + 1);
+    for (i = from + 1; i <= to; i++) {
+        double p[3];
+        size_t *least, old;
+        t += i == first[t + 1];
+        pbwm3__cover_place(&gaps->w->surface, t, (double)(i - first[t]), p);
+        least = gaps->least.at + pbwm3__field_cell(gaps->w, p);
+        old = PBW_ATOMIC_LOAD(least);
+        while (i < old && !PBW_ATOMIC_CAS(least, &old, i)) {
+        }
+    }
+    return PBW_OK;
+}
+
+/* Rays begin in cells that have none. */
+static pbw_status pbwm3__cover_cells(pbwm3__gaps *gaps)
+{
+    pbwm3__work *w = gaps->w;
+    const size_t count = w->surface.triangle_count;
+    pbw_status status;
+    size_t i, sum = 1;
+    gaps->once = 1;
+    for (i = 0; i < count; i++) {
+        gaps->first.at[i] = sum;
+        sum += (size_t)fmin(8 * gaps->normal.at[i] / (w->size * w->size) + 1, 1e9);
+    }
+    gaps->first.at[count] = sum;
+    status = pbw_for(pbwm3__inner_options(w), sum - 1, 4096, pbwm3__cover_range, gaps);
+    for (i = 0; i < gaps->least.count && status == PBW_OK; i++) {
+        if (gaps->least.at[i] > 0 && gaps->least.at[i] < sum) {
+            status = pbwm3__add_gap(gaps, 0, gaps->least.at[i]);
+        }
+    }
+    return status != PBW_OK ? status : pbwm3__lower_gaps(gaps);
 }
 
 /* Rays from 4 random points for each square of the size, 16 where regions have sizes.  Of many cells they miss a few,
@@ -3912,35 +4089,34 @@ static pbw_status pbwm3__add_gap(pbwm3__gaps *gaps, size_t triangle, double u, d
    (2018, "The unreasonable effectiveness of quasirandom sequences"). */
 static pbw_status pbwm3__measure_gaps(pbwm3__work *w)
 {
-    pbw_status status = PBW_ERROR_MEMORY;
     const double dense = w->how.region_sizes != NULL ? 8 : 2;
     const size_t cells = w->n[0] * w->n[1] * w->n[2];
     uint64_t number = 1ull << 40;
     pbwm3__gaps gaps;
+    pbw_status status;
     size_t i;
     memset(&gaps, 0, sizeof gaps);
     gaps.w = w;
-    if (PBW_FIT(&w->memory, gaps.gap, PBWM3__BATCH) && PBW_FIT(&w->memory, gaps.seen, cells)) {
-        memset(gaps.seen.at, 0, cells);
-        status = PBW_OK;
-    }
-    for (gaps.once = 0; gaps.once < 2; gaps.once++) {
+    status = pbwm3__measure_normals(w, &gaps.normal);
+    if (status == PBW_OK && PBW_FIT(&w->memory, gaps.gap, PBWM3__BATCH) && PBW_FIT(&w->memory, gaps.least, cells)
+        && PBW_FIT(&w->memory, gaps.first, w->surface.triangle_count + 1)) {
+        gaps.least.count = cells;
+        memset(gaps.least.at, 0xff, cells * sizeof *gaps.least.at);
         for (i = 0; i < w->surface.triangle_count && status == PBW_OK; i++) {
-            double n[3], wanted, k = 0;
-            pbwsf__normal_of(&w->surface, (pbw_index)i, n);
-            wanted = (gaps.once ? 8 : dense) * sqrt(pbwsf__dot(n, n)) / (w->size * w->size);
-            wanted += gaps.once ? 1 : pbwm3__random(number++);
-            for (; wanted >= 1 && status == PBW_OK; wanted--, k++) {
-                const double u = gaps.once ? 0.5 + 0.7548776662466927 * k : pbwm3__random(number);
-                const double v = gaps.once ? 0.5 + 0.5698402909980532 * k : pbwm3__random(number + 1);
-                number += gaps.once ? 0 : 2;
-                status = pbwm3__add_gap(&gaps, i, u - floor(u), v - floor(v));
+            double wanted = dense * gaps.normal.at[i] / (w->size * w->size) + pbwm3__random(number++);
+            for (; wanted >= 1 && status == PBW_OK; wanted--, number += 2) {
+                status = pbwm3__add_gap(&gaps, i, number);
             }
         }
         status = status != PBW_OK ? status : pbwm3__lower_gaps(&gaps);
+        status = status != PBW_OK ? status : pbwm3__cover_cells(&gaps);
+    } else {
+        status = status != PBW_OK ? status : PBW_ERROR_MEMORY;
     }
+    PBW_RELEASE(&w->memory, gaps.normal);
     PBW_RELEASE(&w->memory, gaps.gap);
-    PBW_RELEASE(&w->memory, gaps.seen);
+    PBW_RELEASE(&w->memory, gaps.least);
+    PBW_RELEASE(&w->memory, gaps.first);
     return status;
 }
 
@@ -4274,14 +4450,12 @@ static pbw_status pbwm3__throw_darts(pbwm3__work *w, const double *area)
 static pbw_status pbwm3__sample_smooth(pbwm3__work *w)
 {
     pbwsf__numbers areas = { NULL, 0, 0 };
-    pbw_status status = PBW_ERROR_MEMORY;
+    pbw_status status = pbwm3__measure_normals(w, &areas);
     double sum = 0;
     size_t i;
-    if (PBW_FIT(&w->memory, areas, w->surface.triangle_count)) {
+    if (status == PBW_OK) {
         for (i = 0; i < w->surface.triangle_count; i++) {
-            double n[3];
-            pbwsf__normal_of(&w->surface, (pbw_index)i, n);
-            sum += 0.5 * sqrt(pbwsf__dot(n, n));
+            sum += 0.5 * areas.at[i];
             areas.at[i] = sum;
         }
         status = sum > 0 ? pbwm3__throw_darts(w, areas.at) : PBW_DEGENERATE;
