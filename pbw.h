@@ -4229,7 +4229,7 @@ static pbw_status pbw__make_canonical(pbw__context *context, pbw__vertices *vert
     vertices->canonical = block != NULL ? block
         : (pbw_index *)pbw__allocate_large(context, vertices->point_count, sizeof(pbw_index));
     status = vertices->canonical == NULL ? PBW_ERROR_MEMORY
-           : pbw__for_range(context, vertices->point_count, PBW__TICK, 0.0, pbw__fill_canonical, vertices);
+           : pbw__for_range(context, vertices->point_count, 8192, 0.0, pbw__fill_canonical, vertices);
     return status != PBW_OK ? status
          : pbw__for_range(context, vertices->duplicate_count, PBW__TICK, 0.0, pbw__place_duplicates, vertices);
 }
@@ -7506,8 +7506,9 @@ typedef struct pbw__aside {
     size_t count, capacity, free_from, free_count;
 } pbw__aside;
 
-/* What a task keeps from pass to pass; end: its chain for others, then where its positions end. */
-typedef struct pbw__emitting { size_t end; pbw__aside aside; } pbw__emitting;
+/* What a task keeps from pass to pass; end: its chain for others, then where its positions end; ghosts: how many are in
+   its share of the slots, then the number of the next one. */
+typedef struct pbw__emitting { size_t end, ghosts; pbw__aside aside; } pbw__emitting;
 
 #define PBW__CHAINS 16                               /* followed at a time, so that their cache misses overlap */
 #define PBW__SOON 48                                 /* distance of prefetches in arrays that are read in any order */
@@ -7526,6 +7527,7 @@ typedef struct pbw__emission {
     int dim, any_order, tasks, failed, simd;
     int apart, links_apart;                          /* into new arrays */
     int packed;                                      /* into slots, with corners and links as they are, ghosts last */
+    int placing;                                     /* 0: ghosts are counted */
     const pbw_index *id;                             /* per rank */
     pbw_index *number;                               /* per slot: the next of its chain; then its position */
     pbw_index *chain;                                /* per region: the last slot of its chain */
@@ -8465,10 +8467,25 @@ static int pbw__emit_begin(pbw__emission *emission)
     return !emission->failed;
 }
 
+/* Counts ghosts, or numbers them. */
+static void pbw__emit_ghosts(void *arg, int task)
+{
+    const pbw__emission *emission = (const pbw__emission *)arg;
+    const size_t to = pbw__share(emission->slot_count, task + 1, emission->tasks);
+    size_t t, next = emission->task[task].ghosts;
+    for (t = pbw__share(emission->slot_count, task, emission->tasks); t < to; t++) {
+        if (emission->number[t] == PBW_NONE && emission->corner[4 * t] != PBW_NONE) {
+            emission->number[t] = emission->placing ? (pbw_index)next : PBW_NONE;
+            next++;
+        }
+    }
+    emission->task[task].ghosts = next;
+}
+
 static pbw_status pbw__emit(pbw__emission *emission)
 {
     pbw__context *context = emission->context;
-    size_t sum = 0, t;
+    size_t sum = 0;
     int tasks = emission->tasks, task;
     pbw__for(context, tasks, pbw__emit_pass1, emission);
     if (tasks > 1) {
@@ -8483,10 +8500,16 @@ static pbw_status pbw__emit(pbw__emission *emission)
         return pbw__emit_status(emission);
     }
     pbw__for(context, tasks, pbw__emit_pass2, emission);
-    for (t = 0; t < emission->slot_count && emission->packed; t++) {
-        if (emission->number[t] == PBW_NONE && emission->corner[4 * t] != PBW_NONE) {
-            emission->number[t] = (pbw_index)emission->simplex_count++;          /* a ghost */
+    for (; emission->packed && emission->placing < 2; emission->placing++) {
+        if (tasks > 1 || emission->placing) {
+            pbw__for(context, tasks, pbw__emit_ghosts, emission);
         }
+        for (task = 0; task < tasks && !emission->placing; task++) {
+            const size_t here = emission->task[task].ghosts;
+            emission->task[task].ghosts = sum;
+            sum += here;
+        }
+        emission->simplex_count = emission->task[tasks - 1].ghosts;
     }
     if (pbw__emit_status(emission) != PBW_OK || !pbw__emit_begin(emission)) {
         return pbw__emit_status(emission);
@@ -8555,7 +8578,7 @@ static pbw_status pbw__keep_points(pbw__context *context, const pbw__input *inpu
     if (copying.points == NULL || (input->weights != NULL && copying.weights == NULL)) {
         return PBW_ERROR_MEMORY;
     }
-    return pbw__for_range(context, input->count, PBW__TICK, 0.0, pbw__copy_points, &copying);
+    return pbw__for_range(context, input->count, 8192, 0.0, pbw__copy_points, &copying);
 }
 
 /* Makes mesh->incident in a block of its size, or in a new one if that is NULL; fills it with PBW_NONE if `none`. */
@@ -8673,7 +8696,7 @@ static void pbw__emission_start(pbw__emission *emission, pbw__context *context, 
 #endif
     emission->id = vertices->id;
     emission->chain = store->hint;
-    emission->tasks = pbw__tasks(context, vertices->count, 16384);
+    emission->tasks = pbw__tasks(context, vertices->count, 2048);
     emission->apart = emission->tasks == 1 && emission->slot_count <= PBW__APART;
     emission->links_apart = emission->apart || store->lent;
     emission->chunk_bits = pbw__chunk_bits(emission->dim, emission->tasks, context->threads, store->count);
@@ -8771,7 +8794,7 @@ static pbw_status pbw__number_along_curve(pbw__context *context, pbw__vertices *
     numbering.vertices = vertices;
     numbering.original = original;
     if (vertices->duplicate_count == 0) {
-        return pbw__for_range(context, vertices->count, 65536, 0.0, pbw__number_range, &numbering);
+        return pbw__for_range(context, vertices->count, 8192, 0.0, pbw__number_range, &numbering);
     }
     status = pbw__make_canonical(context, vertices, NULL);
     if (status != PBW_OK) {
