@@ -3500,6 +3500,7 @@ typedef struct pbwl__changing {
     const pbw_index *which;                          /* the changes of this round; NULL: all */
     size_t round_count, grain, next;
     int parts, stop;
+    uint8_t *owner;                                  /* of each vertex: nobody between rounds */
 } pbwl__changing;
 
 /* Makes a group of changes; those that cannot be made now go to kernel.left. */
@@ -3623,7 +3624,7 @@ static void pbwl__share_slots(const pbwl__changing *batch)
 }
 
 /* Lets a task's core use the arrays of the main core. */
-static void pbwl__task_begin(const pbwl__changing *batch, int part, uint8_t *owner)
+static void pbwl__task_begin(const pbwl__changing *batch, int part)
 {
     pbwl__core *core = batch->core, *task = core->task[part];
     pbw__kernel *kernel = &task->kernel, *main = &core->kernel;
@@ -3634,7 +3635,7 @@ static void pbwl__task_begin(const pbwl__changing *batch, int part, uint8_t *own
     kernel->journal = task;
     kernel->left_count = 0;
     kernel->status = PBW_OK;
-    kernel->own.owner = owner;
+    kernel->own.owner = batch->owner;
     kernel->own.me = (uint8_t)part;
     kernel->own.owner_bits = kernel->own.claim_count = 0;
     kernel->slots.no_room = 0;
@@ -3725,23 +3726,17 @@ static pbw_status pbwl__batch_round(pbwl__changing *batch)
 {
     pbwl__core *core = batch->core;
     pbw__context *context = core->kernel.context;
-    const size_t vertices = core->vertex_count + 1, grain = batch->round_count / (size_t)(24 * batch->parts);
-    uint8_t *owner;
+    const size_t grain = batch->round_count / (size_t)(24 * batch->parts);
     pbw_status status = pbwl__batch_room(batch);
     int part;
     if (status != PBW_OK) {
         return status;
     }
-    owner = (uint8_t *)pbw__allocate(&context->memory, vertices, 1);
-    if (owner == NULL) {
-        return PBW_ERROR_MEMORY;
-    }
-    memset(owner, PBW__NOBODY, vertices);
     batch->grain = grain < PBWL__GROUP ? PBWL__GROUP : grain < 512 ? grain : 512;
     batch->next = 0;
     pbwl__share_slots(batch);
     for (part = 0; part < batch->parts; part++) {
-        pbwl__task_begin(batch, part, owner);
+        pbwl__task_begin(batch, part);
     }
     pbw__for(context, batch->parts, pbwl__batch_task, batch);
     status = pbwl__keep_untaken(batch);
@@ -3750,7 +3745,6 @@ static pbw_status pbwl__batch_round(pbwl__changing *batch)
         const pbw_status ended = pbwl__task_end(core, core->task[part]);
         status = status == PBW_OK ? ended : status;
     }
-    pbw__release(&context->memory, owner, vertices, 1);
     return status;
 }
 
@@ -3769,12 +3763,19 @@ static pbw_status pbwl__batch_all(pbwl__core *core, pbwl__changing *batch, int a
 {
     pbw__kernel *kernel = &core->kernel;
     pbw_status status = PBW_OK;
+    const size_t vertices = core->vertex_count + 1;
     size_t before, needed, part;
     batch->core = core;
     batch->stop = 0;
     batch->which = again ? kernel->left : NULL;
     batch->round_count = again ? kernel->left_count : batch->count;
     batch->parts = pbwl__batch_parts(core, batch->round_count, again ? PBWL__LEAST_LEFT : PBWL__LEAST_CHANGES);
+    batch->owner = batch->parts > 1 ? (uint8_t *)pbw__allocate(&kernel->context->memory, vertices, 1) : NULL;
+    if (batch->owner != NULL) {
+        memset(batch->owner, PBW__NOBODY, vertices);
+    } else if (batch->parts > 1) {
+        return PBW_ERROR_MEMORY;
+    }
     while (batch->parts > 1 && status == PBW_OK) {
         before = batch->round_count;
         status = pbwl__batch_round(batch);
@@ -3783,6 +3784,7 @@ static pbw_status pbwl__batch_all(pbwl__core *core, pbwl__changing *batch, int a
         batch->parts = 4 * batch->round_count >= 3 * before ? 1
                      : pbwl__batch_parts(core, batch->round_count, PBWL__LEAST_LEFT);
     }
+    pbw__release(&kernel->context->memory, batch->owner, batch->owner != NULL ? vertices : 0, 1);
     needed = batch->slots * batch->round_count + 64;
     for (part = 0; part < core->tasks && kernel->slots.free_count < needed; part++) {
         pbwl__move_slots(core, core->task[part], core, needed - kernel->slots.free_count);
@@ -4588,7 +4590,7 @@ PBW__INLINE void pbwl__exchange(pbwl__core *core, pbw_index v, double *other)
 static void pbwl__exchange_share(void *arg, int part)
 {
     pbw_live *live = (pbw_live *)arg;
-    const int parts = pbw__tasks(live->core.kernel.context, live->leaving_count, 8192);
+    const int parts = pbw__tasks(live->core.kernel.context, live->leaving_count, 2048);
     const size_t dim = (size_t)live->dim, end = pbw__share(live->leaving_count, part + 1, parts);
     size_t i;
     for (i = pbw__share(live->leaving_count, part, parts); i < end; i++) {
@@ -4601,7 +4603,7 @@ static void pbwl__exchange_share(void *arg, int part)
 static void pbwl__live_exchange(pbw_live *live)
 {
     pbw__context *context = live->core.kernel.context;
-    pbw__for(context, pbw__tasks(context, live->leaving_count, 8192), pbwl__exchange_share, live);
+    pbw__for(context, pbw__tasks(context, live->leaving_count, 2048), pbwl__exchange_share, live);
 }
 
 typedef struct pbwl__moving { pbw_live *live; int others; } pbwl__moving;
@@ -5129,7 +5131,7 @@ static pbw_status pbwl__choose(pbw_live *live, pbw__context *context, int in_pla
     pbwl__classes classes = { live, 0, 0 };
     size_t leave, arrive;
     int near;
-    pbw_status status = pbw__for_range(context, live->queue_count, 8192, 0.0, pbwl__classify_range, &classes);
+    pbw_status status = pbw__for_range(context, live->queue_count, PBW__SMALLER(2048), 0.0, pbwl__classify_range, &classes);
     if (status != PBW_OK) {
         return status;
     }
@@ -5378,11 +5380,19 @@ static pbw_status pbwl__view_begin(pbwl__viewing *viewing, pbw__context *context
     const pbw_live *live = viewing->live;
     const size_t numbers = live->numbers, entries = numbers * (size_t)live->dim;
     pbw_mesh *mesh = viewing->mesh;
+    const size_t weights = live->weighted_before ? numbers : 0;
     pbw__owned *owned = (pbw__owned *)mesh->memory;
+    double *points = (double *)pbw__allocate(&context->memory, entries, sizeof(double));
+    pbw_index *canonical = (pbw_index *)pbw__allocate(&context->memory, numbers, sizeof(pbw_index));
+    double *weight = weights > 0 ? (double *)pbw__allocate(&context->memory, weights, sizeof(double)) : NULL;
+    const pbw__block block[3] = { pbw__block_of(points, 0, entries * sizeof(double)),
+                                  pbw__block_of(canonical, 0, numbers * sizeof(pbw_index)),
+                                  pbw__block_of(weight, 0, weights * sizeof(double)) };
     pbw_status status;
-    mesh->points = (double *)pbw__allocate_large(context, entries, sizeof(double));
-    mesh->canonical = (pbw_index *)pbw__allocate_large(context, numbers, sizeof(pbw_index));
-    mesh->weights = live->weighted_before ? (double *)pbw__allocate_large(context, numbers, sizeof(double)) : NULL;
+    pbw__populate(context, block, 3);
+    mesh->points = points;
+    mesh->canonical = canonical;
+    mesh->weights = weight;
     owned->points = entries;
     owned->weights = owned->canonical = numbers;
     if (mesh->points == NULL || mesh->canonical == NULL || (mesh->weights == NULL && live->weighted_before)) {
@@ -5506,6 +5516,7 @@ static pbw_status pbwl__view_store(pbwl__viewing *viewing, pbw__context *context
     const pbwl__core *core = &viewing->live->core;
     pbw_memory *memory = &context->memory;
     const size_t slots = core->store.count, vertex_entries = core->vertex_count + 1;
+    pbw__block block[2];
     pbw_status status = PBW_ERROR_MEMORY;
     store->plain = store->lent = 1;
     store->link = core->store.link;
@@ -5515,11 +5526,14 @@ static pbw_status pbwl__view_store(pbwl__viewing *viewing, pbw__context *context
     store->region_slots = core->store.region_slots < slots ? core->store.region_slots : slots;
     store->slots_each = store->region_slots / store->region_count + 1;
     store->hint = (pbw_index *)pbw__allocate(memory, store->region_count, sizeof(pbw_index));
-    store->corner = (pbw_index *)pbw__allocate_large(context, 4 * slots, sizeof(pbw_index));
+    store->corner = (pbw_index *)pbw__allocate(memory, 4 * slots, sizeof(pbw_index));
     store->corner_capacity = 4 * slots;
     viewing->corner = store->corner;
     viewing->id = vertices->id;
-    viewing->rank = (pbw_index *)pbw__allocate_large(context, vertex_entries, sizeof(pbw_index));
+    viewing->rank = (pbw_index *)pbw__allocate(memory, vertex_entries, sizeof(pbw_index));
+    block[0] = pbw__block_of(store->corner, 0, 4 * slots * sizeof(pbw_index));
+    block[1] = pbw__block_of(viewing->rank, 0, vertex_entries * sizeof(pbw_index));
+    pbw__populate(context, block, 2);
     if (store->hint != NULL && store->corner != NULL && viewing->rank != NULL) {
         viewing->rank[0] = PBW__GHOST;
         status = pbw__for_range(context, vertices->count, 16384, 0.0, pbwl__view_ranks, viewing);
