@@ -842,12 +842,20 @@ struct pbw_finder {
     size_t grids_capacity, bins_capacity, grid_count, bin_count;
 };
 
+/* A slice of the points: how many are vertices, then where the first one is listed; their box. */
+typedef struct pbwq__slice { size_t first; pbw__box box; } pbwq__slice;
+#define PBWQ__SLICE 16384
+#define PBWQ__COUNTED 8192                           /* vertices of a range */
+
 typedef struct pbwq__binning {
     pbwq__queries *queries;
     pbw_finder *finder;
+    pbwq__slice *slice;
+    const pbwq__bins *grid;                          /* in work */
     pbw_index *vertices, *sorted;                    /* those of a grid are contiguous */
-    float *least;                                    /* per bin of a grid: the least squared distance of a vertex from
-                                                        the centre, in edges of a bin */
+    uint64_t *nearest;                               /* per bin of a grid: the squared distance of a vertex from the
+                                                        centre, in edges of a bin, as a float; then its number in
+                                                        `vertices`: the least */
     size_t *counts;                                  /* per bin of a grid: vertices; then where the next goes */
 } pbwq__binning;
 
@@ -866,21 +874,79 @@ PBW__INLINE size_t pbwq__bin_of(const pbwq__bins *grid, int dim, const double *p
     return grid->first + bin;
 }
 
-/* Chooses the edge of a grid of cubes: starts with the longest side of the box, at most 2 bins along each axis, and
-   halves it while the bins stay at most a quarter of the vertices plus 1. */
-static void pbwq__bins_measure(const pbwq__binning *binning, pbwq__bins *grid)
+static pbw_status pbwq__slice_count(void *arg, size_t from, size_t to)
 {
+    const pbwq__binning *binning = (const pbwq__binning *)arg;
+    size_t *count = &binning->slice[from / PBWQ__SLICE].first;
+    for (*count = 0; from < to; from++) {
+        *count += binning->finder->mesh->incident[from] != PBW_NONE;
+    }
+    return PBW_OK;
+}
+
+static pbw_status pbwq__slice_list(void *arg, size_t from, size_t to)
+{
+    const pbwq__binning *binning = (const pbwq__binning *)arg;
     const pbw_mesh *mesh = binning->finder->mesh;
-    const int dim = mesh->dim;
-    const double most = (double)(grid->to - grid->from) * 0.25 + 1.0;
-    double bins, edge = 0.0;
+    pbwq__slice *slice = binning->slice + from / PBWQ__SLICE;
+    pbw_index *vertex = binning->vertices + slice->first;
+    pbw__box_reset(&slice->box, 0);
+    for (; from < to; from++) {
+        if (mesh->incident[from] != PBW_NONE) {
+            *vertex++ = (pbw_index)from;
+            pbw__box_add(&slice->box, mesh->points + from * (size_t)mesh->dim, mesh->dim);
+        }
+    }
+    return PBW_OK;
+}
+
+/* Lists the vertices.  Returns their box. */
+static pbw__box pbwq__bins_list(pbwq__binning *binning, pbwq__bins *grid)
+{
+    pbw__context *context = &binning->queries->context;
+    const pbw_mesh *mesh = binning->finder->mesh;
+    const size_t slices = (mesh->point_count + PBWQ__SLICE - 1) / PBWQ__SLICE;
     pbw__box box;
     size_t i;
-    int k;
+    pbw__box_reset(&box, 0);
+    if (pbw__for_range(context, mesh->point_count, PBWQ__SLICE, 0.1, pbwq__slice_count, binning) == PBW_OK) {
+        for (i = 0; i < slices; i++) {
+            const size_t here = binning->slice[i].first;
+            binning->slice[i].first = grid->to;
+            grid->to += here;
+        }
+        (void)pbw__for_range(context, mesh->point_count, PBWQ__SLICE, 0.3, pbwq__slice_list, binning);
+    }
+    for (i = 0; i < slices && !PBW__LOAD(&context->cancelled); i++) {
+        const size_t end = i + 1 < slices ? binning->slice[i + 1].first : grid->to;
+        if (binning->slice[i].first < end) {
+            pbw__box_add(&box, binning->slice[i].box.low, mesh->dim);
+            pbw__box_add(&box, binning->slice[i].box.high, mesh->dim);
+        }
+    }
+    return box;
+}
+
+/* The box of a grid's vertices. */
+static pbw__box pbwq__bins_box(const pbwq__binning *binning, const pbwq__bins *grid)
+{
+    const pbw_mesh *mesh = binning->finder->mesh;
+    pbw__box box;
+    size_t i;
     pbw__box_reset(&box, 0);
     for (i = grid->from; i < grid->to; i++) {
-        pbw__box_add(&box, mesh->points + binning->vertices[i] * (size_t)dim, dim);
+        pbw__box_add(&box, mesh->points + binning->vertices[i] * (size_t)mesh->dim, mesh->dim);
     }
+    return box;
+}
+
+/* Chooses the edge of a grid of cubes: starts with the longest side of the box, at most 2 bins along each axis, and
+   halves it while the bins stay at most a quarter of the vertices plus 1. */
+static void pbwq__bins_measure(pbwq__bins *grid, pbw__box box, int dim)
+{
+    const double most = (double)(grid->to - grid->from) * 0.25 + 1.0;
+    double bins, edge = 0.0;
+    int k;
     for (k = 0; k < dim; k++) {
         edge = pbw__max(edge, box.high[k] - box.low[k]);
         grid->low[k] = box.low[k];
@@ -912,36 +978,58 @@ static void pbwq__bins_measure(const pbwq__binning *binning, pbwq__bins *grid)
     }
 }
 
+/* Counts a range of a grid's vertices in their bins, and finds those nearest to the centres. */
+static pbw_status pbwq__bins_count(void *arg, size_t from, size_t to)
+{
+    const pbwq__binning *binning = (const pbwq__binning *)arg;
+    const pbw_mesh *mesh = binning->finder->mesh;
+    const pbwq__bins *grid = binning->grid;
+    const int alone = binning->queries->context.threads == 1 || grid->to - grid->from <= PBWQ__COUNTED;
+    size_t i, at;
+    for (i = grid->from + from; i < grid->from + to; i++) {
+        const double *p = mesh->points + binning->vertices[i] * (size_t)mesh->dim;
+        double centre = 0.0;
+        float distance;
+        uint32_t bits;                               /* they ascend with a float from 0 on */
+        uint64_t near, old;
+        at = pbwq__bin_of(grid, mesh->dim, p, &centre) - grid->first;
+        distance = (float)centre;
+        memcpy(&bits, &distance, sizeof(bits));
+        near = (uint64_t)bits << 32 | i;
+        if (alone) {
+            binning->counts[at]++;
+            binning->nearest[at] = near < binning->nearest[at] ? near : binning->nearest[at];
+            continue;
+        }
+        (void)PBW__ADD(binning->counts + at, 1);
+        old = PBW__LOAD(binning->nearest + at);
+        while (near < old && !PBW__CAS(binning->nearest + at, &old, near)) {
+        }
+    }
+    return PBW_OK;
+}
+
 /* Sets the start of each bin of a grid, and counts its vertices.  An empty bin starts where the bin before does. */
-static void pbwq__bins_fill(const pbwq__binning *binning, const pbwq__bins *grid)
+static pbw_status pbwq__bins_fill(pbwq__binning *binning, const pbwq__bins *grid)
 {
     const pbw_mesh *mesh = binning->finder->mesh;
     pbwq__bin *bins = binning->finder->bins + grid->first;
-    size_t i, at;
     pbw_index last = mesh->incident[binning->vertices[grid->from]];
+    pbw_status status;
+    size_t at;
     memset(binning->counts, 0, grid->count * sizeof(size_t));
-    for (at = 0; at < grid->count; at++) {
-        bins[at].start = PBW_NONE;
-        bins[at].finer = 0;
-        binning->least[at] = 1e30f;
-    }
-    for (i = grid->from; i < grid->to; i++) {
-        const size_t v = binning->vertices[i];
-        double distance = 0.0;
-        if (i % PBW__TICK == 0 && pbw__report(&binning->queries->context, 0.5)) {
-            return;
+    memset(binning->nearest, 0xff, grid->count * sizeof(uint64_t));
+    binning->grid = grid;
+    status = pbw__for_range(&binning->queries->context, grid->to - grid->from, PBWQ__COUNTED, 1.0,
+                             pbwq__bins_count, binning);
+    for (at = 0; at < grid->count && status == PBW_OK; at++) {
+        if (binning->counts[at] > 0) {
+            last = mesh->incident[binning->vertices[(uint32_t)binning->nearest[at]]];
         }
-        at = pbwq__bin_of(grid, mesh->dim, mesh->points + v * (size_t)mesh->dim, &distance) - grid->first;
-        binning->counts[at]++;
-        if ((float)distance < binning->least[at]) {
-            binning->least[at] = (float)distance;
-            bins[at].start = mesh->incident[v];
-        }
-    }
-    for (at = 0; at < grid->count; at++) {
-        last = bins[at].start != PBW_NONE ? bins[at].start : last;
         bins[at].start = last;
+        bins[at].finer = 0;
     }
+    return status;
 }
 
 /* Makes finer grids for the bins of a grid that have many vertices. */
@@ -983,31 +1071,29 @@ static pbw_status pbwq__bins_refine(const pbwq__binning *binning, pbwq__bins gri
     return PBW_OK;
 }
 
-static pbw_status pbwq__bins_make(const pbwq__binning *binning)
+static pbw_status pbwq__bins_make(pbwq__binning *binning)
 {
     pbw_finder *finder = binning->finder;
-    pbw_memory *memory = &binning->queries->context.memory;
-    const pbw_mesh *mesh = finder->mesh;
-    pbw_status status = PBW_OK;
-    size_t v, g;
+    pbw__context *context = &binning->queries->context;
+    pbw_memory *memory = &context->memory;
+    pbw__box box;
+    pbw_status status;
+    size_t g;
     finder->grid_count = 1;
     memset(finder->grids, 0, sizeof(pbwq__bins));
-    for (v = 0; v < mesh->point_count; v++) {
-        if (mesh->incident[v] != PBW_NONE) {
-            binning->vertices[finder->grids->to++] = (pbw_index)v;
-        }
-    }
+    box = pbwq__bins_list(binning, finder->grids);
+    status = PBW__LOAD(&context->cancelled) ? PBW_CANCELLED : PBW_OK;
     for (g = 0; g < finder->grid_count && status == PBW_OK; g++) {
         pbwq__bins *grid = finder->grids + g;
-        pbwq__bins_measure(binning, grid);
+        pbwq__bins_measure(grid, g == 0 ? box : pbwq__bins_box(binning, grid), finder->mesh->dim);
         grid->first = finder->bin_count;
         finder->bin_count += grid->count;
         if (!pbw_memory_grow(memory, &finder->bins, &finder->bins_capacity, finder->bin_count, 0,
                              sizeof(*finder->bins))) {
             return PBW_ERROR_MEMORY;
         }
-        pbwq__bins_fill(binning, grid);
-        status = PBW__LOAD(&binning->queries->context.cancelled) ? PBW_CANCELLED : pbwq__bins_refine(binning, *grid);
+        status = pbwq__bins_fill(binning, grid);
+        status = status == PBW_OK ? pbwq__bins_refine(binning, *grid) : status;
     }
     return status;
 }
@@ -1016,21 +1102,24 @@ static pbw_status pbwq__finder_fill(pbwq__queries *queries, pbw_finder *finder)
 {
     pbw_memory *memory = &queries->context.memory;
     const size_t count = finder->mesh->point_count, most = count / 4 + 8;    /* bins: see pbwq__bins_measure */
+    const size_t slices = count / PBWQ__SLICE + 1;
     pbw_status status = PBW_ERROR_MEMORY;
     pbwq__binning binning;
     binning.queries = queries;
     binning.finder = finder;
     binning.vertices = (pbw_index *)pbw__allocate(memory, count, sizeof(pbw_index));
     binning.sorted = (pbw_index *)pbw__allocate(memory, count, sizeof(pbw_index));
-    binning.least = (float *)pbw__allocate(memory, most, sizeof(float));
+    binning.slice = (pbwq__slice *)pbw__allocate(memory, slices, sizeof(pbwq__slice));
+    binning.nearest = (uint64_t *)pbw__allocate(memory, most, sizeof(uint64_t));
     binning.counts = (size_t *)pbw__allocate(memory, most, sizeof(size_t));
-    if (binning.vertices != NULL && binning.sorted != NULL && binning.least != NULL && binning.counts != NULL
-        && PBW__RESIZE(memory, finder, grids, 1)) {
+    if (binning.vertices != NULL && binning.sorted != NULL && binning.slice != NULL && binning.nearest != NULL
+        && binning.counts != NULL && PBW__RESIZE(memory, finder, grids, 1)) {
         status = pbwq__bins_make(&binning);
     }
     pbw__release(memory, binning.vertices, count, sizeof(pbw_index));
     pbw__release(memory, binning.sorted, count, sizeof(pbw_index));
-    pbw__release(memory, binning.least, most, sizeof(float));
+    pbw__release(memory, binning.slice, slices, sizeof(pbwq__slice));
+    pbw__release(memory, binning.nearest, most, sizeof(uint64_t));
     pbw__release(memory, binning.counts, most, sizeof(size_t));
     return status;
 }
