@@ -2,8 +2,9 @@
 
    Uniform points (default 1,000,000; threads 1, 2, 4, ... up to the processors).  A row is one call, seconds of the
    clock, the best of three, and for more threads how many times as fast as on one.  Live batches are of a tenth of
-   the points, commit included; moves are by a tenth of the mean distance, or anywhere.  The last rows mesh a ball in
-   steps that suit the number of points, once, and improve that mesh; with `solids` there are only these. */
+   the points, or of a hundredth, commit included; moves are by a tenth of the mean distance, or anywhere.  The last
+   rows mesh a ball in steps that suit the number of points, once, and improve that mesh; with `solids` there are only
+   these. */
 #define PBW_IMPLEMENTATION
 #define PBW_CHECK_IMPLEMENTATION
 #include "pbw_check.h"
@@ -75,6 +76,7 @@ static void queries(bench *b, const pbw_mesh *mesh)
     pbw_index *found = (pbw_index *)take(8 * b->count, sizeof *found);
     pbw_report report;
     pbw_lists stars, lists;
+    pbw_finder *finder;
     double start = now();
     good(pbw_check(mesh, &b->options, &report));
     row(b, "check", now() - start);
@@ -95,6 +97,10 @@ static void queries(bench *b, const pbw_mesh *mesh)
     row(b, "Sibson coordinates, a tenth", now() - start);
     pbw_lists_free(&lists);
     pbw_lists_free(&stars);
+    start = now();
+    good(pbw_finder_create(mesh, &b->options, &finder));
+    row(b, "finder: create", now() - start);
+    pbw_finder_free(finder);
     free(found);
 }
 
@@ -139,6 +145,10 @@ static void lives(bench *b, const pbw_mesh *mesh)
     good(pbw_live_move(live, b->ids, b->moved, b->batch));
     good(pbw_live_commit(live, NULL));
     row(b, "live: move a tenth", now() - start);
+    start = now();
+    good(pbw_live_move(live, b->ids, b->points, b->batch / 10));
+    good(pbw_live_commit(live, NULL));
+    row(b, "live: move a hundredth", now() - start);
     start = now();
     good(pbw_live_move(live, b->ids, b->others, b->batch));
     good(pbw_live_commit(live, NULL));

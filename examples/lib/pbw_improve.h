@@ -3342,6 +3342,7 @@ typedef struct pbwim__task {
     size_t count, changes;
     int all, curve;                        /* of places: curve -1 = one block of all points */
     pbw_index first, last;                 /* the block's places: first .. last - 1 */
+    size_t turn;                           /* the task that is run in place of this one: the longest come first */
 } pbwim__task;
 
 static int pbwim__compare_items(const void *a, const void *b)
@@ -3653,7 +3654,7 @@ static void pbwim__end_task(pbwim__mesh *m, const pbwim__task *task)
 static pbw_status pbwim__improve_blocks(void *arg, size_t from, size_t to)
 {
     for (; from < to; from++) {
-        pbwim__task *task = ((pbwim__mesh *)arg)->tasks.at + from;
+        pbwim__task *tasks = ((pbwim__mesh *)arg)->tasks.at, *task = tasks + tasks[from].turn;
         pbwim__mesh *m = &task->m;
         size_t waiting = 0, i;
         qsort(task->item, task->count, sizeof *task->item, pbwim__compare_items);
@@ -3750,7 +3751,7 @@ static int pbwim__deal(pbwim__mesh *m, const pbwim__blocks *blocks, int all)
 /* One round: all blocks at once.  What must wait is the queue after it. */
 static pbw_status pbwim__round(pbwim__mesh *m, const pbwim__blocks *blocks, size_t *changes)
 {
-    size_t slots = 0, points = 0, i;
+    size_t slots = 0, points = 0, i, k;
     pbwim__task *task = m->tasks.at;
     pbw_status status;
     for (i = 0; i < blocks->count; i++) {
@@ -3766,6 +3767,10 @@ static pbw_status pbwim__round(pbwim__mesh *m, const pbwim__blocks *blocks, size
     }
     for (i = 0; i < blocks->count; i++) {
         pbwim__begin_task(m, task + i);
+        for (k = i; k > 0 && task[task[k - 1].turn].count < task[i].count; k--) {
+            task[k].turn = task[k - 1].turn;
+        }
+        task[k].turn = i;
     }
     status = pbwim__for(m, blocks->count, 1, pbwim__improve_blocks, m);
     m->queue.count = 0;

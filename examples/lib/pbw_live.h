@@ -5233,7 +5233,8 @@ static pbw_status pbwl__run(pbw_live *live, const pbw_mesh *mesh, pbw_changes *c
     pbw__context context;
     pbw_status status;
     pbw__fp fp = pbw__fp_enter();
-    pbw__context_start(&context, &live->options, mesh != NULL ? mesh->point_count : live->count);
+    pbw__context_start(&context, &live->options, mesh != NULL ? mesh->point_count      /* a change is worth 16 points */
+                       : live->queue_count > live->count / 16 ? live->count : 16 * live->queue_count);
     context.memory = live->memory;
     live->core.kernel.context = &context;
     status = !pbw__fp_is_exact() ? PBW_ERROR_FP_MODE : mesh != NULL ? pbwl__load(live, &context, mesh) : PBW_OK;

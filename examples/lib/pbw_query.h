@@ -1135,6 +1135,8 @@ PBWDEF pbw_status pbw_finder_create(const pbw_mesh *mesh, const pbw_options *opt
     *finder = NULL;
     status = pbwq__queries_start(&queries, mesh, NULL, 0, options);
     if (status == PBW_OK) {
+        const size_t most = mesh->point_count / PBW__SMALLER(65536) + 1;       /* a thread has little to do */
+        queries.context.threads = (size_t)queries.context.threads < most ? queries.context.threads : (int)most;
         made = (pbw_finder *)pbw__allocate(&queries.context.memory, 1, sizeof(pbw_finder));
         status = made == NULL ? PBW_ERROR_MEMORY : PBW_OK;
     }
