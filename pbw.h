@@ -8613,9 +8613,15 @@ static int pbw__emit_room(pbw__emission *emission, pbw__store *store, pbw__verti
     size_t room;
     emission->rank_entries = ranks * ((emission->tasks > 1 ? 1u : 0u) + (store->mark == NULL ? 1u : 0u));
     room = ((emission->slot_count + emission->rank_entries) * sizeof(pbw_index) + chunks) / sizeof(double) + 1;
-    if ((store->mark != NULL && !PBW__RESIZE(memory, store, mark, ranks * sizeof(pbw_index)))
-        || (room > vertices->room
-            && !pbw_memory_fit(memory, &vertices->record, &vertices->room, room, sizeof(double)))) {
+    if (store->mark != NULL && !PBW__RESIZE(memory, store, mark, ranks * sizeof(pbw_index))) {
+        return 0;
+    }
+    if (room > vertices->room) {                     /* its contents are no longer needed */
+        pbw__release(memory, vertices->record, vertices->room, sizeof(double));
+        vertices->record = (double *)pbw__allocate_large(emission->context, room, sizeof(double));
+        vertices->room = vertices->record != NULL ? room : 0;
+    }
+    if (vertices->record == NULL) {
         return 0;
     }
     pbw__emit_arrays(emission, store, vertices);

@@ -3352,18 +3352,26 @@ static int pbwm3__keep_sharp(pbwm3__work *w, const pbwim__facet *edge, size_t co
 }
 
 /* Lists the sharp edges that are kept, and joins the triangles at all others.  Which candidates are kept is chosen
-   once all of them are found. */
+   once all of them are found.  A function has none: where its surface has two triangles at each edge, the shells are
+   the parts. */
 static int pbwm3__find_sharp(pbwm3__work *w, pbwsf__pairs *list, size_t *parent)
 {
+    const size_t triangles = w->surface.triangle_count;
+    const int plain = w->input->value != NULL && w->report->open_edges + w->report->crowded_edges == 0;
+    const size_t count = plain ? 0 : 3 * triangles;
     pbwim__sorting sorting;
-    const pbwim__facet *edge = pbwm3__edges(w, w->surface.triangles, w->surface.triangle_count,
-                                            w->surface.point_count, &sorting);
-    const size_t count = 3 * w->surface.triangle_count;
     pbwm3__features f;
-    size_t i, k, edges = 0;
-    int good = edge != NULL;
+    const pbwim__facet *edge;
+    size_t i, k, edges = plain ? 3 * triangles / 2 : 0;
+    int good;
+    memset(&sorting, 0, sizeof sorting);
+    edge = plain ? NULL : pbwm3__edges(w, w->surface.triangles, triangles, w->surface.point_count, &sorting);
+    good = plain || edge != NULL;
     memset(&f, 0, sizeof f);
     f.edge = edge;
+    for (i = 0; i < triangles && plain; i++) {
+        parent[i] = w->shells.at[w->shell.at[i]].triangle;
+    }
     for (i = 0; good && i < count; i = k) {
         for (k = i + 1; k < count && memcmp(edge[i].v, edge[k].v, 2 * sizeof(pbw_index)) == 0; k++) {
         }
@@ -3391,7 +3399,7 @@ static int pbwm3__find_sharp(pbwm3__work *w, pbwsf__pairs *list, size_t *parent)
     PBW_RELEASE(&w->memory, f.keeps);
     w->report->sharp_edges = list->count;
     if (!w->walls) {
-        w->report->input_euler = (long)w->surface.point_count - (long)edges + (long)w->surface.triangle_count;
+        w->report->input_euler = (long)w->surface.point_count - (long)edges + (long)triangles;
     }
     pbwim__end_sorting(&w->memory, &sorting);
     return good;

@@ -378,28 +378,55 @@ static pbw_status pbwsf__build(const pbw_options *options, pbw_surface *surface)
     return status;
 }
 
+typedef struct pbwsf__arrays {
+    const double *points;
+    const pbw_index *triangles;
+    size_t point_count;
+} pbwsf__arrays;
+
+static pbw_status pbwsf__check_triangles(void *arg, size_t from, size_t to)
+{
+    const pbwsf__arrays *a = (const pbwsf__arrays *)arg;
+    for (; from < to; from++) {
+        const pbw_index *c = a->triangles + 3 * from;
+        if (c[0] >= a->point_count || c[1] >= a->point_count || c[2] >= a->point_count) {
+            return PBW_ERROR_ARGUMENT;
+        }
+    }
+    return PBW_OK;
+}
+
+static pbw_status pbwsf__check_points(void *arg, size_t from, size_t to)
+{
+    const double *p = ((const pbwsf__arrays *)arg)->points;
+    for (from *= 3, to *= 3; from < to; from++) {
+        if (!(fabs(p[from]) <= 1e300)) {
+            return PBW_ERROR_NOT_FINITE;
+        }
+    }
+    return PBW_OK;
+}
+
 /* Returns PBW_OK if ids are in range and coordinates finite. */
 static pbw_status pbwsf__check_input(const double *points, size_t point_count, const pbw_index *triangles,
-                                     size_t triangle_count)
+                                     size_t triangle_count, const pbw_options *options)
 {
-    size_t i;
+    pbwsf__arrays arrays = { points, triangles, point_count };
+    pbw_options own;
+    pbw_status status;
     if ((point_count > 0 && points == NULL) || (triangle_count > 0 && triangles == NULL)) {
         return PBW_ERROR_ARGUMENT;
     }
     if (point_count > PBW_NONE || triangle_count > PBW_NONE) {
         return PBW_ERROR_TOO_LARGE;
     }
-    for (i = 0; i < 3 * triangle_count; i++) {
-        if (triangles[i] >= point_count) {
-            return PBW_ERROR_ARGUMENT;
-        }
+    memset(&own, 0, sizeof own);
+    if (options != NULL) {
+        own = *options;
+        own.progress = NULL;
     }
-    for (i = 0; i < 3 * point_count; i++) {
-        if (!(fabs(points[i]) <= 1e300)) {
-            return PBW_ERROR_NOT_FINITE;
-        }
-    }
-    return PBW_OK;
+    status = pbw_for(&own, triangle_count, 16384, pbwsf__check_triangles, &arrays);
+    return status != PBW_OK ? status : pbw_for(&own, point_count, 16384, pbwsf__check_points, &arrays);
 }
 
 PBWDEF pbw_status pbw_surface_create(const double *points, size_t point_count, const pbw_index *triangles,
@@ -412,7 +439,7 @@ PBWDEF pbw_status pbw_surface_create(const double *points, size_t point_count, c
         return PBW_ERROR_ARGUMENT;
     }
     memset(surface, 0, sizeof *surface);
-    status = pbwsf__check_input(points, point_count, triangles, triangle_count);
+    status = pbwsf__check_input(points, point_count, triangles, triangle_count, options);
     if (status != PBW_OK) {
         return status;
     }
@@ -2073,7 +2100,7 @@ PBWDEF pbw_status pbw_surface_crossings(const double *points, size_t point_count
     if (triangle_count >= PBW_NONE / 3) {
         return PBW_ERROR_TOO_LARGE;
     }
-    status = pbwsf__check_input(points, point_count, triangles, triangle_count);
+    status = pbwsf__check_input(points, point_count, triangles, triangle_count, options);
     if (status != PBW_OK) {
         return status;
     }
