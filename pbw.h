@@ -7506,8 +7506,8 @@ typedef struct pbw__aside {
     size_t count, capacity, free_from, free_count;
 } pbw__aside;
 
-/* What a task keeps from pass to pass; end: its chain for others, then where its positions end; ghosts: how many are in
-   its share of the slots, then the number of the next one. */
+/* What a task keeps from pass to pass; end: its chain for others, then where its positions end; ghosts: how many are
+   in its share of the slots, then the number of the next one. */
 typedef struct pbw__emitting { size_t end, ghosts; pbw__aside aside; } pbw__emitting;
 
 #define PBW__CHAINS 16                               /* followed at a time, so that their cache misses overlap */

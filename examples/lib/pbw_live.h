@@ -5131,7 +5131,8 @@ static pbw_status pbwl__choose(pbw_live *live, pbw__context *context, int in_pla
     pbwl__classes classes = { live, 0, 0 };
     size_t leave, arrive;
     int near;
-    pbw_status status = pbw__for_range(context, live->queue_count, PBW__SMALLER(2048), 0.0, pbwl__classify_range, &classes);
+    pbw_status status = pbw__for_range(context, live->queue_count, PBW__SMALLER(2048), 0.0, pbwl__classify_range,
+                                       &classes);
     if (status != PBW_OK) {
         return status;
     }
@@ -5233,8 +5234,9 @@ static pbw_status pbwl__run(pbw_live *live, const pbw_mesh *mesh, pbw_changes *c
     pbw__context context;
     pbw_status status;
     pbw__fp fp = pbw__fp_enter();
-    pbw__context_start(&context, &live->options, mesh != NULL ? mesh->point_count      /* a change is worth 16 points */
-                       : live->queue_count > live->count / 16 ? live->count : 16 * live->queue_count);
+    pbw__context_start(&context, &live->options, mesh != NULL ? mesh->point_count
+                       : live->queue_count > live->count / 16 ? live->count        /* a change is worth 16 points */
+                       : 16 * live->queue_count);
     context.memory = live->memory;
     live->core.kernel.context = &context;
     status = !pbw__fp_is_exact() ? PBW_ERROR_FP_MODE : mesh != NULL ? pbwl__load(live, &context, mesh) : PBW_OK;
