@@ -9140,7 +9140,8 @@ PBWDEF pbw_status pbw_order(int dim, const double *points, size_t count, const p
      PBW__DEVICE                                                                        check            interface
      pbw__hash_doubles                                                                  check live       platform
      PBW__INLINE PBW__NOINLINE                                                          check query live platform
-     PBW__ADD PBW__CAS pbw__fp pbw__fp_enter pbw__fp_is_exact pbw__fp_leave             live             platform
+     pbw__fp pbw__fp_enter pbw__fp_is_exact pbw__fp_leave                               live             platform
+     PBW__ADD PBW__CAS                                                                  query live       platform
      PBW__PREFETCH_TO_WRITE PBW__STORE PBW__STORE_RELEASE                               live             platform
      pbw__max_abs pbw__square_root                                                      query            platform
      pbw__abs PBW__AVX2 PBW__BY_DIM pbw__hash_entry PBW__LIKELY PBW__LOAD pbw__max      query live       platform
@@ -9157,7 +9158,8 @@ PBWDEF pbw_status pbw_order(int dim, const double *points, size_t count, const p
      pbw__tasks                                                                         check live       threads
      pbw__begin_call pbw__end_call                                                      check query      threads
      pbw__enter_stage pbw__for_range pbw__report PBW__TICK                              check query live threads
-     pbw__context_start pbw__for pbw__share PBW__SMALLER pbw__team_stop                 live             threads
+     pbw__context_start pbw__for pbw__share pbw__team_stop                              live             threads
+     PBW__SMALLER                                                                       query live       threads
      PBW__TEST_PAUSE                                                                    live             threads
      pbw__digit PBW__POOL                                                               check query      exact
      pbw__column PBW__DIGIT_BITS pbw__exact_difference pbw__exact_sign pbw__exact_sum   query            exact
