@@ -307,6 +307,7 @@ static void test_horns(void)
     pbw_solid_report r;
     pbw_solid_input in;
     pbw_tets mesh;
+    size_t tets;
     if (!test_begin("tips thinner than the size")) {
         return;
     }
@@ -316,13 +317,14 @@ static void test_horns(void)
     how.size = 0.4;
     CHECK_EQUAL(pbw_solid(&in, &how, NULL, &mesh, NULL, &r), PBW_OK);
     CHECK(is_sound(&mesh) && r.settled && r.bad_edges + r.bad_points == 0 && r.euler == 2);
-    CHECK(r.distance < 0.45 && r.improve.after.least > 28);
-    test_say("%zu tetrahedra, distance %.3f, %d rounds", mesh.tet_count, r.distance, r.rounds);
+    CHECK(r.distance < 0.45 && r.improve.after.least > 19.99);
+    test_say("%zu tetrahedra, distance %.3f, %.1f", mesh.tet_count, r.distance, r.improve.after.least);
     check_threads(&in, &how, &mesh);
+    tets = mesh.tet_count;
     pbw_tets_free(&mesh);
     how.least_size = 0.4 / 3;                        /* no size below it, at tips either */
     CHECK_EQUAL(pbw_solid(&in, &how, NULL, &mesh, NULL, &r), PBW_OK);
-    CHECK(r.distance > 0.45);
+    CHECK(mesh.tet_count < tets && r.improve.after.least > 19.99);
     pbw_tets_free(&mesh);
     test_end();
 }
@@ -497,6 +499,38 @@ static void test_tip(void)
     }
     in = input_of(&m);
     check_good(&in, 0.15, (double)sides / 2 * sin(step) * 1.7 / 3, 2, 28, 0);
+    test_end();
+}
+
+/* A ball with a horn and a pit that are thinner than tetrahedra: the boundary reaches both ends. */
+static void test_pits(void)
+{
+    static part m;
+    double line[61][2];
+    pbw_solid_options how;
+    pbw_solid_report r;
+    pbw_solid_input in;
+    pbw_tets mesh;
+    size_t k;
+    if (!test_begin("horns and pits thinner than tetrahedra")) {
+        return;
+    }
+    for (k = 0; k < 61; k++) {
+        line[k][0] = k % 60 == 0 ? 0 : sin(PARTS_PI * (double)k / 60);
+        line[k][1] = k == 0 ? -0.7 : k == 60 ? 1.2 : -cos(PARTS_PI * (double)k / 60);
+    }
+    m.points = m.triangles = 0;
+    (void)part_turned(&m, 61, (const double (*)[2])line, 24, 0);
+    in = input_of(&m);
+    memset(&how, 0, sizeof how);
+    how.size = 0.2;
+    how.sharp = PBW_SOLID_SHARP_NONE;
+    CHECK_EQUAL(pbw_solid(&in, &how, NULL, &mesh, NULL, &r), PBW_OK);
+    CHECK(is_sound(&mesh) && r.bad_edges + r.bad_points == 0 && r.euler == 2);
+    CHECK(r.distance < 0.2 && r.improve.after.least > 20);
+    test_say("distance %.3f, least angle %.1f", r.distance, r.improve.after.least);
+    check_threads(&in, &how, &mesh);
+    pbw_tets_free(&mesh);
     test_end();
 }
 
@@ -1963,6 +1997,7 @@ int main(int argc, char **argv)
     test_models();
     test_features();
     test_tip();
+    test_pits();
     test_horns();
     test_tips_let_go();
     test_creases();

@@ -28,6 +28,7 @@
      >>samples      the first points: on sharp edges, on smooth parts, inside
      >>labels       the triangulation of the points, and the label of each tetrahedron
      >>manifold     where the boundary is no manifold
+     >>reach        points of the surface that the boundary passes by
      >>rounds       points added until nothing is left to add
      >>stars        points where the boundary is no manifold
      >>result       improvement; the boundary; the report
@@ -56,9 +57,11 @@
       If nothing is left, but tips stay far, as points would be too near to others, the sizes around them are halved,
       up to twice, and rounds go on, unless that leads to faults of the boundary.  Rounds end when none of these is
       left, or after options.rounds.
-   5. If the boundary has faults, steps 2 to 4 are repeated: with the surface as one patch; or without sharp edges, if
+   5. Where the boundary passes by points of the surface at more than 0.15 sizes, as at horns and pits thinner than
+      tetrahedra, some tetrahedra there become parts of the mesh, or leave it, as far as its topology stays.
+   6. If the boundary has faults, steps 2 to 4 are repeated: with the surface as one patch; or without sharp edges, if
       only some of them were kept.  The attempt with fewer faults goes on.
-   6. pbw_improve raises the least dihedral angle.
+   7. pbw_improve raises the least dihedral angle.
 
    PROMISES  (tests/test_mesh3.c guards them)
      positive    tetrahedra are positively oriented, by exact signs; every point is a corner
@@ -5076,6 +5079,254 @@ static pbw_status pbwm3__find_faults(pbwm3__work *w, pbwm3__topology *top)
 }
 
 /* ------------------------------------------------------------------------------------------------------
+   >>reach        Points of the surface that the boundary passes by.
+   In: labelled tetrahedra.  Out: other labels for a few of them.
+   At the tip of a thin horn, circumcentres are outside, and the boundary cuts the horn off beneath a point that is on
+   the surface; likewise at the bottom of a narrow pit.  Tetrahedra at such a point get the labels of their middles,
+   where this leaves the boundary's topology as it is.
+   ------------------------------------------------------------------------------------------------------ */
+/* Lists the tetrahedra at each flagged point: first[v] to first[v + 1].  Returns 0 without memory. */
+static int pbwm3__list_stars(pbwm3__work *w, const unsigned char *flag, pbwsf__counts *first, pbwsf__indices *tets)
+{
+    const size_t count = 4 * w->now.mesh.simplex_count;
+    const pbw_index *corner = w->now.mesh.simplices;
+    size_t i, sum = 0;
+    if (!PBW_ZEROS(&w->memory, *first, w->x.count + 2)) {
+        return 0;
+    }
+    for (i = 0; i < count; i++) {
+        first->at[corner[i] + 2] += flag[corner[i]];
+        sum += flag[corner[i]];
+    }
+    for (i = 0; i < w->x.count; i++) {
+        first->at[i + 2] += first->at[i + 1];
+    }
+    if (!PBW_FIT(&w->memory, *tets, sum + 1)) {
+        return 0;
+    }
+    for (i = 0; i < count; i++) {
+        if (flag[corner[i]]) {
+            tets->at[first->at[corner[i] + 1]++] = (pbw_index)(i / 4);
+        }
+    }
+    return 1;
+}
+
+#define PBWM3__TIP_DISTANCE 1.5            /* of options.distance: where the surface is farther, sizes are halved */
+
+#define PBWM3__FLAT_SINE 0.34202014332566873  /* of 20 degrees */
+
+enum { PBWM3__REACHES = 8 };               /* passes: each reaches points behind those of the one before */
+
+typedef struct pbwm3__reaching { const pbwm3__work *w; unsigned char *bound; } pbwm3__reaching;
+
+/* Marks the points that the boundary has. */
+static pbw_status pbwm3__bound_range(void *arg, size_t from, size_t to)
+{
+    const pbwm3__reaching *r = (const pbwm3__reaching *)arg;
+    size_t i;
+    int k;
+    for (i = 4 * from; i < 4 * to; i++) {
+        if (pbwm3__label_of(r->w, r->w->now.mesh.neighbors[i]) != r->w->now.label.at[i / 4]) {
+            for (k = 0; k < 3; k++) {
+                const pbw_index v = r->w->now.mesh.simplices[i / 4 * 4 + (size_t)pbwim__opposite[i % 4][k]];
+                PBW_ATOMIC_STORE(&r->bound[v], 1);
+            }
+        }
+    }
+    return PBW_OK;
+}
+
+static int pbwm3__has_corner(const pbw_index c[4], pbw_index v)
+{
+    return c[0] == v || c[1] == v || c[2] == v || c[3] == v;
+}
+
+/* Returns whether tetrahedron t can get label `to` without a change of topology: what it has in common with those of
+   that label is a disk, of 1 to 3 of its facets.  So none of them has all corners across these facets, and there are
+   no other labels.  If the disk is of 3 facets, it takes the point in its middle from the boundary, which must not be
+   one of the surface.  Nor may t be flat and become a part of the mesh: its points on the surface are not moved. */
+static int pbwm3__changes_simply(const pbwm3__work *w, const size_t *first, const pbw_index *tets, pbw_index t,
+                                 int to)
+{
+    const pbw_index *corner = w->now.mesh.simplices, *neighbor = w->now.mesh.neighbors, *c = corner + 4 * (size_t)t;
+    const int from = w->now.label.at[t];
+    int shared[4], facets = 0, i, k;
+    size_t at;
+    for (i = 0; i < 4; i++) {
+        shared[i] = pbwm3__label_of(w, neighbor[4 * (size_t)t + (size_t)i]) == to;
+        facets += shared[i];
+    }
+    for (i = 0; i < 4 && facets == 3; i++) {
+        facets = shared[i] || w->kind.at[c[i]] > PBWM3__SMOOTH ? facets : 0;
+    }
+    if (from == 0 && pbwim__sine(w->x.at[c[0]], w->x.at[c[1]], w->x.at[c[2]], w->x.at[c[3]]) < PBWM3__FLAT_SINE) {
+        return 0;
+    }
+    for (i = 0; i < 4 && facets % 4 > 0; i++) {
+        for (at = first[c[i]]; at < first[c[i] + 1]; at++) {
+            const pbw_index *d = corner + 4 * (size_t)tets[at], *beside = neighbor + 4 * (size_t)tets[at];
+            const int label = w->now.label.at[tets[at]];
+            int meets = label == to;
+            for (k = 0; k < 4; k++) {                /* beyond the hull of all points is label 0, too */
+                meets = meets || (to == 0 && beside[k] == PBW_NONE && !(shared[0] && d[k] == c[0])
+                                  && !(shared[1] && d[k] == c[1]) && !(shared[2] && d[k] == c[2])
+                                  && !(shared[3] && d[k] == c[3]));
+            }
+            for (k = 0; k < 4 && meets; k++) {
+                meets = !shared[k] || pbwm3__has_corner(d, c[k]);
+            }
+            if (meets || (label != from && label != to)) {
+                return 0;
+            }
+        }
+    }
+    return facets % 4 > 0;
+}
+
+/* Gives tetrahedron t a label, which puts its corners on the boundary. */
+static void pbwm3__change_label(pbwm3__work *w, unsigned char *bound, pbw_index t, int label)
+{
+    const pbw_index *c = w->now.mesh.simplices + 4 * (size_t)t;
+    int k;
+    w->now.label.at[t] = label;
+    for (k = 0; k < 4; k++) {
+        bound[c[k]] = 1;
+    }
+}
+
+/* Returns how far the facets that t gives the boundary, if it gets label `to`, are from the surface. */
+static double pbwm3__new_distance(const pbwm3__work *w, pbw_index t, int to)
+{
+    const pbw_index *c = w->now.mesh.simplices + 4 * (size_t)t, *neighbor = w->now.mesh.neighbors + 4 * (size_t)t;
+    double most = 0, p[3], place[3];
+    int i, j, k;
+    for (i = 0; i < 4; i++) {
+        for (j = 0; j < 4 && pbwm3__label_of(w, neighbor[i]) != to; j++) {   /* its middle, and those of its edges */
+            const double *a = w->x.at[c[pbwim__opposite[i][j % 3]]], *b = w->x.at[c[pbwim__opposite[i][(j + 1) % 3]]];
+            const double *d = w->x.at[c[pbwim__opposite[i][(j + 2) % 3]]];
+            for (k = 0; k < 3; k++) {
+                p[k] = j < 3 ? (a[k] + b[k]) / 2 : (a[k] + b[k] + d[k]) / 3;
+            }
+            (void)pbw_surface_closest(&w->surface, p, HUGE_VAL, place);
+            most = fmax(most, pbwsf__distance(p, place));
+        }
+    }
+    return most;
+}
+
+/* Puts point v on the boundary: tetrahedra there get the labels of their middles; if none can, the one
+   with the facets nearest to the surface gets the other label, as a pit may be thinner than all of them.  Returns
+   whether it changed one. */
+static int pbwm3__reach_point(pbwm3__work *w, unsigned char *bound, const size_t *first, const pbw_index *tets,
+                              size_t v)
+{
+    double least = PBWM3__TIP_DISTANCE * w->distance * w->size;
+    pbw_index best = PBW_NONE;
+    int changed = 1, label = 0, other, k;
+    size_t at;
+    while (changed) {
+        for (changed = 0, at = first[v]; at < first[v + 1]; at++) {
+            const pbw_index t = tets[at], *c = w->now.mesh.simplices + 4 * (size_t)t;
+            const double *p[4];
+            for (k = 0; k < 4; k++) {
+                p[k] = w->x.at[c[k]];
+            }
+            other = pbwm3__label_of_middle(w, p);
+            if (other != w->now.label.at[t] && pbwm3__changes_simply(w, first, tets, t, other)) {
+                pbwm3__change_label(w, bound, t, other);
+                changed = 1;
+            }
+        }
+    }
+    for (at = 4 * first[v]; at < 4 * first[v + 1] && !bound[v]; at++) {
+        const pbw_index t = tets[at / 4];
+        other = pbwm3__label_of(w, w->now.mesh.neighbors[4 * (size_t)t + at % 4]);
+        if (other != w->now.label.at[t] && pbwm3__changes_simply(w, first, tets, t, other)) {
+            const double distance = pbwm3__new_distance(w, t, other);
+            best = distance < least ? t : best;
+            label = distance < least ? other : label;
+            least = fmin(least, distance);
+        }
+    }
+    if (best != PBW_NONE) {
+        pbwm3__change_label(w, bound, best, label);
+    }
+    return bound[v];
+}
+
+/* Marks in `bound` all points but those of the surface that are far from the boundary, and in `flag` the corners of
+   the far points' tetrahedra.  *far: how many are far. */
+static pbw_status pbwm3__find_far(pbwm3__work *w, unsigned char *bound, unsigned char *flag, size_t *far)
+{
+    const pbw_index *c = w->now.mesh.simplices;
+    const double enough = PBWM3__TIP_DISTANCE * w->distance * w->size;
+    pbwsf__triples facets = { NULL, 0, 0 };
+    pbw_surface boundary;
+    pbw_status status = PBW_OK;
+    size_t i, passed = 0;
+    *far = 0;
+    memset(&boundary, 0, sizeof boundary);
+    for (i = 0; i < w->x.count; i++) {
+        bound[i] |= w->kind.at[i] > PBWM3__SMOOTH;
+        passed += !bound[i];
+    }
+    if (passed > 0) {
+        status = !pbwm3__list_boundary(w, &facets, NULL) ? PBW_ERROR_MEMORY
+               : pbwm3__make_surface(w, w->x.at[0], w->x.count, facets.at[0], facets.count, &boundary);
+    }
+    for (i = 0; i < w->x.count && passed > 0 && status == PBW_OK; i++) {
+        bound[i] = bound[i] || pbwsf__is_near(&boundary, w->x.at[i], enough);
+        *far += !bound[i];
+    }
+    for (i = 0; i < 4 * w->now.mesh.simplex_count && *far > 0; i++) {
+        if (!bound[c[i]]) {
+            const pbw_index *all = c + i / 4 * 4;
+            flag[all[0]] = flag[all[1]] = flag[all[2]] = flag[all[3]] = 1;
+        }
+    }
+    pbwm3__drop_surface(w, &boundary);
+    PBW_RELEASE(&w->memory, facets);
+    return status;
+}
+
+/* Lets the boundary have those of the surface's points that it passes by at a distance. */
+static pbw_status pbwm3__reach_points(pbwm3__work *w)
+{
+    pbwsf__counts first = { NULL, 0, 0 };
+    pbwsf__indices tets = { NULL, 0, 0 };
+    pbwsf__flags bound = { NULL, 0, 0 }, flag = { NULL, 0, 0 };
+    pbwm3__reaching reaching;
+    pbw_status status = PBW_ERROR_MEMORY;
+    size_t i, far = 0;
+    int pass, changed = 1;
+    if (pbwm3__has_crossings(w)) {                   /* parts of the surface may be inside */
+        return PBW_OK;
+    }
+    if (PBW_ZEROS(&w->memory, bound, w->x.count + 1) && PBW_ZEROS(&w->memory, flag, w->x.count + 1)) {
+        reaching.w = w;
+        reaching.bound = bound.at;
+        status = pbw_for(pbwm3__inner_options(w), w->now.mesh.simplex_count, PBWM3__SLICE, pbwm3__bound_range,
+                         &reaching);
+        status = status != PBW_OK ? status : pbwm3__find_far(w, bound.at, flag.at, &far);
+        status = status != PBW_OK || far == 0 || pbwm3__list_stars(w, flag.at, &first, &tets) ? status
+               : PBW_ERROR_MEMORY;
+    }
+    for (pass = 0; pass < PBWM3__REACHES && status == PBW_OK && far > 0 && changed; pass++) {
+        changed = 0;
+        for (i = 0; i < w->x.count && !pbwm3__ends_at(w, i, 4096); i++) {
+            changed += !bound.at[i] && pbwm3__reach_point(w, bound.at, first.at, tets.at, i);
+        }
+        status = pbwm3__has_ended(w) ? PBW_CANCELLED : PBW_OK;
+    }
+    PBW_RELEASE(&w->memory, first);
+    PBW_RELEASE(&w->memory, tets);
+    PBW_RELEASE(&w->memory, bound);
+    PBW_RELEASE(&w->memory, flag);
+    return status;
+}
+
+/* ------------------------------------------------------------------------------------------------------
    >>rounds       Points added until nothing is left to add.
    In: labelled tetrahedra.  Out: the same of more points, in rounds; the report's faults.
    ------------------------------------------------------------------------------------------------------ */
@@ -5549,8 +5800,6 @@ static void pbwm3__halve_size(pbwm3__work *w, const double p[3])
     }
 }
 
-#define PBWM3__TIP_DISTANCE 1.5            /* of options.distance: where the surface is farther, sizes are halved */
-
 /* Adds points at the places that are too far from the boundary, the farthest first; or halves the sizes there.
    Returns how many points, -1 without memory. */
 static long pbwm3__add_places(pbwm3__work *w, pbwm3__place_list *places, int halve)
@@ -5743,6 +5992,7 @@ static pbw_status pbwm3__rounds(pbwm3__work *w)
         status = pbwm3__put_back(w);
         status = status != PBW_OK ? status : pbwm3__count_faults(w);
     }
+    status = status != PBW_OK ? status : pbwm3__reach_points(w);
     pbwm3__drop_triangulation(w, &w->last);
     PBW_RELEASE(&w->memory, w->same);
     return status;
@@ -5834,33 +6084,6 @@ static int pbwm3__relabel_part(pbwm3__work *w, pbwm3__star *star)
         }
     }
     return found;
-}
-
-/* Lists the tetrahedra at each flagged point: first[v] to first[v + 1].  Returns 0 without memory. */
-static int pbwm3__list_stars(pbwm3__work *w, const unsigned char *flag, pbwsf__counts *first, pbwsf__indices *tets)
-{
-    const size_t count = 4 * w->now.mesh.simplex_count;
-    const pbw_index *corner = w->now.mesh.simplices;
-    size_t i, sum = 0;
-    if (!PBW_ZEROS(&w->memory, *first, w->x.count + 2)) {
-        return 0;
-    }
-    for (i = 0; i < count; i++) {
-        first->at[corner[i] + 2] += flag[corner[i]];
-        sum += flag[corner[i]];
-    }
-    for (i = 0; i < w->x.count; i++) {
-        first->at[i + 2] += first->at[i + 1];
-    }
-    if (!PBW_FIT(&w->memory, *tets, sum + 1)) {
-        return 0;
-    }
-    for (i = 0; i < count; i++) {
-        if (flag[corner[i]]) {
-            tets->at[first->at[corner[i] + 1]++] = (pbw_index)(i / 4);
-        }
-    }
-    return 1;
 }
 
 /* Relabels parts of a star while one label has several.  *changed: whether there was one.  Returns 0 without
