@@ -4385,10 +4385,12 @@ static pbw_status pbwim__passes(pbwim__mesh *m, const pbw_improve_options *how)
     }
     for (i = 1; i <= 2 && status == PBW_OK && !pbwim__is_late(m)
          && (most == PBWIM__PASSES || m->report->passes + 8 <= most); i++) {
-        status = pbwim__measure_badness(m, &bad);
-        if (status != PBW_OK || !(bad > 0)) {
+        double now;
+        status = pbwim__measure_badness(m, &now);
+        if (status != PBW_OK || !(now > 0) || (i > 1 && now >= 0.97 * bad)) {
             break;
         }
+        bad = now;
         status = pbwim__raise_target(m, i * PBWIM__RAISE, done);
     }
     return status;
