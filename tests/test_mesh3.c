@@ -385,34 +385,37 @@ static void test_creases(void)
     test_end();
 }
 
-/* A box on a cone that stands on its tip: their faces lie in one plane but for rounding, and few triangles cross, so
-   that the pieces of their union lack the box. */
+/* Faces that lie in one plane but for rounding, so that few of their triangles cross: boxes on a cone that stands on
+   its tip.  A union with too few cuts loses a box, or its pieces overlap. */
 static void test_nearly_common_faces(void)
 {
     static const double line[3][2] = { { 0, 0 }, { 0.8, 0.9 }, { 0, 0.9 } };
-    static const double low[3] = { 0.05 * 5 - 0.3, -0.6, 0.9 }, high[3] = { 0.05 * 5 + 0.9, 0.6, 1.9 };
     static part m;
     pbw_solid_options how;
     pbw_solid_report r;
     pbw_solid_input in;
     pbw_tets mesh;
-    double volume;
+    int i;
     if (!test_begin("faces in one plane but for rounding")) {
         return;
     }
     memset(&how, 0, sizeof how);
     how.size = 0.4;
     how.improve.target = -1;
-    m.points = m.triangles = 0;
-    volume = part_turned(&m, 3, line, 16, 0);
-    volume += part_box(&m, low, high, 0);
-    part_turn(&m);
-    in = input_of(&m);
-    CHECK_EQUAL(pbw_solid(&in, &how, NULL, &mesh, NULL, &r), PBW_OK);
-    CHECK(is_sound(&mesh) && r.bad_edges + r.bad_points == 0);
-    CHECK(fabs(r.improve.after.volume - volume) < 0.02 * volume && r.distance < 0.15);
-    test_say("volume %.4f of %.4f, distance %.3f", r.improve.after.volume, volume, r.distance);
-    pbw_tets_free(&mesh);
+    for (i = 0; i < 12; i++) {
+        const double low[3] = { 0.05 * i - 0.3, -0.6, 0.9 }, high[3] = { 0.05 * i + 0.9, 0.6, 1.9 };
+        double volume;
+        m.points = m.triangles = 0;
+        volume = part_turned(&m, 3, line, 16, 0);
+        volume += part_box(&m, low, high, 0);
+        part_turn(&m);
+        in = input_of(&m);
+        CHECK_EQUAL(pbw_solid(&in, &how, NULL, &mesh, NULL, &r), PBW_OK);
+        CHECK(is_sound(&mesh) && r.bad_edges + r.bad_points == 0);
+        CHECK(fabs(r.improve.after.volume - volume) < 0.02 * volume && r.missing_edges < 10);
+        test_say("%d: volume %.4f of %.4f, distance %.3f", i, r.improve.after.volume, volume, r.distance);
+        pbw_tets_free(&mesh);
+    }
     test_end();
 }
 

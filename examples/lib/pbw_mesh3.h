@@ -2583,8 +2583,9 @@ static pbw_status pbwm3__cut_all(pbwm3__work *w, pbwm3__cutting *c)
    In: pieces of triangles, which meet in whole edges and corners.  Out: the boundary of the union in the place of the
    surface, turned outward.
    Pieces that no cut separates are a patch, which is on the boundary if its front is outside of all shells and its
-   back is not.  Of patches that lie on each other, turned alike, the first one counts.  If the patches enclose
-   nothing, by rounding or as a triangle could not be cut, the surface stays as it is.
+   back is not.  Of patches that lie on each other, turned alike, the first one counts.  The surface stays as it is if
+   the patches enclose nothing or something else than the shells, or if they overlap: by rounding, or as a triangle
+   could not be cut.
    ------------------------------------------------------------------------------------------------------ */
 /* Returns whether p is in piece x of a triangle with normal n, in its plane. */
 static int pbwm3__is_in_piece(const pbwm3__cutting *c, const double n[3], const pbw_index *x, const double p[3])
@@ -2874,29 +2875,112 @@ static void pbwm3__free_cutting(pbwm3__work *w, pbwm3__cutting *c)
     PBW_RELEASE(&w->memory, c->incident);
 }
 
-/* Returns whether the pieces enclose as much as the largest shell, to 1/1000, which welds are far below.  Where a
-   shell was inside out, they need not. */
-static int pbwm3__is_large_enough(const pbwm3__work *w, const pbwm3__cutting *c)
+/* Cuts an interval to the projection of piece t on an axis. */
+static void pbwm3__cut_interval(const pbwm3__cutting *c, size_t t, const double axis[3], double interval[2])
 {
-    double volume = 0, largest = 0;
-    size_t i, k;
-    for (i = 0; i < w->shells.count; i++) {
-        if (w->shells.at[i].volume < 0) {
-            return 1;
-        }
-        largest = fmax(largest, w->shells.at[i].volume);
+    double low = HUGE_VAL, high = -HUGE_VAL;
+    int k;
+    for (k = 0; k < 3; k++) {
+        const double at = pbwsf__dot(axis, c->points.at[c->pieces.at[t][k]]);
+        low = fmin(low, at);
+        high = fmax(high, at);
     }
-    for (i = 0; i < c->pieces.count; i++) {
-        double u[3][3], across[3];
-        for (k = 0; k < 3; k++) {
-            pbwsf__minus(c->points.at[c->pieces.at[i][k]], w->low, u[k]);
-        }
-        pbwsf__cross(u[0], u[1], across);
-        volume += pbwsf__dot(across, u[2]) / 6;
-    }
-    return volume >= 0.999 * largest;
+    interval[0] = fmax(interval[0], low);
+    interval[1] = fmin(interval[1], high);
 }
 
+/* Returns the least width that two pieces have in common, in the directions across their edges in their planes. */
+static double pbwm3__common_width(const pbwm3__work *w, const pbwm3__cutting *c, const pbw_index *pair)
+{
+    double width = HUGE_VAL, n[3], along[3], axis[3], interval[2];
+    int i, k;
+    for (i = 0; i < 6; i++) {
+        const pbw_index *x = c->pieces.at[pair[i / 3]];
+        pbwsf__normal_of(&w->surface, c->parent.at[pair[i / 3]], n);
+        pbwsf__minus(c->points.at[x[(i + 1) % 3]], c->points.at[x[i % 3]], along);
+        pbwsf__cross(n, along, axis);
+        interval[0] = -HUGE_VAL;
+        interval[1] = HUGE_VAL;
+        for (k = 0; k < 2; k++) {
+            pbwm3__cut_interval(c, pair[k], axis, interval);
+        }
+        if (pbwsf__dot(axis, axis) > 0) {
+            width = fmin(width, (interval[1] - interval[0]) / sqrt(pbwsf__dot(axis, axis)));
+        }
+    }
+    return width;
+}
+
+/* *closed: 0 if pieces overlap in one plane by more than welds may move their edges, two of each piece.  Those of
+   faces in one plane but for rounding do, as few of their triangles meet, exactly, and are cut.  Other pieces cross
+   by rounding alone. */
+static pbw_status pbwm3__find_overlaps(pbwm3__work *w, const pbwm3__cutting *c, int *closed)
+{
+    pbw_surface_faults faults;
+    const pbw_status status = pbw_surface_crossings(c->points.at[0], c->points.count, c->pieces.at[0],
+                                                    c->pieces.count, pbwm3__inner_options(w), &faults);
+    size_t i;
+    for (i = 0; status == PBW_OK && i < faults.crossing_count && *closed; i++) {
+        const pbw_index *pair = faults.crossings + 2 * i;
+        double n[2][3], across[3];
+        pbwsf__normal_of(&w->surface, c->parent.at[pair[0]], n[0]);
+        pbwsf__normal_of(&w->surface, c->parent.at[pair[1]], n[1]);
+        pbwsf__cross(n[0], n[1], across);
+        *closed = !(pbwsf__dot(across, across) < 1e-6 * pbwsf__dot(n[0], n[0]) * pbwsf__dot(n[1], n[1]))
+               || pbwm3__common_width(w, c, pair) <= 4 * PBWM3__WELD * w->size;
+    }
+    pbw_surface_faults_free(&faults);
+    return status;
+}
+
+enum { PBWM3__ASKED = 64 };                /* triangles of a shell, about */
+
+/* Returns whether the pieces enclose what the shells do, at places before and behind a triangle.  The places are
+   farther than welds, and seldom in the plane of another triangle. */
+static int pbwm3__encloses_alike(const pbwm3__work *w, const pbw_surface *united, pbw_index triangle)
+{
+    static const double share[3] = { 0.4142136, 0.3247180, 0.2610684 };
+    double n[3], p[3], length;
+    int i, k, side, alike = 1;
+    pbwsf__normal_of(&w->surface, triangle, n);
+    length = sqrt(pbwsf__dot(n, n));
+    for (side = -1; side < 2 && length > 0; side += 2) {
+        for (k = 0; k < 3; k++) {
+            p[k] = side * 10 * PBWM3__WELD * w->size * n[k] / length;
+            for (i = 0; i < 3; i++) {
+                p[k] += share[i] * pbwsf__corner(&w->surface, triangle, i)[k];
+            }
+        }
+        alike = alike && pbw_surface_inside(united, p) == (pbw_surface_turns(&w->surface, p) > 0);
+    }
+    return alike;
+}
+
+/* *closed: 0 if the pieces do not enclose what the shells do, at some triangles of each.  A patch is lost where a cut
+   is missing, as its largest piece is inside of a shell. */
+static pbw_status pbwm3__compare_union(pbwm3__work *w, const pbwm3__cutting *c, int *closed)
+{
+    pbwsf__counts counts = { NULL, 0, 0 };
+    pbw_surface united;
+    pbw_status status;
+    size_t t;
+    memset(&united, 0, sizeof united);
+    status = !PBW_ZEROS(&w->memory, counts, w->shells.count + 1) ? PBW_ERROR_MEMORY
+           : pbwm3__make_surface(w, c->points.at[0], c->points.count, c->pieces.at[0], c->pieces.count, &united);
+    for (t = 0; status == PBW_OK && t < w->triangles.count; t++) {
+        counts.at[w->shell.at[t]]++;
+    }
+    for (t = 0; status == PBW_OK && *closed && t < w->triangles.count && !pbwm3__ends_at(w, t, 256); t++) {
+        if (t % (1 + counts.at[w->shell.at[t]] / PBWM3__ASKED) == 0) {
+            *closed = pbwm3__encloses_alike(w, &united, (pbw_index)t);
+        }
+    }
+    pbwm3__drop_surface(w, &united);
+    PBW_RELEASE(&w->memory, counts);
+    return status == PBW_OK && pbwm3__has_ended(w) ? PBW_CANCELLED : status;
+}
+
+/* Makes one surface of shells that cross.  If rounding is in the way, they stay as they are. */
 static pbw_status pbwm3__unite(pbwm3__work *w)
 {
     pbwm3__cutting c;
@@ -2906,7 +2990,8 @@ static pbw_status pbwm3__unite(pbwm3__work *w)
     status = pbwm3__find_cuts(w, &c);
     status = status != PBW_OK ? status : pbwm3__cut_all(w, &c);
     status = status != PBW_OK ? status : pbwm3__choose_pieces(w, &c, &closed);
-    closed = closed && pbwm3__is_large_enough(w, &c);
+    status = status != PBW_OK || !closed ? status : pbwm3__find_overlaps(w, &c, &closed);
+    status = status != PBW_OK || !closed ? status : pbwm3__compare_union(w, &c, &closed);
     status = status == PBW_DEGENERATE || (status == PBW_OK && !closed) ? PBW_OK
            : status != PBW_OK ? status : pbwm3__take_union(w, &c);
     pbwm3__free_cutting(w, &c);
