@@ -317,7 +317,7 @@ static void test_horns(void)
     how.size = 0.4;
     CHECK_EQUAL(pbw_solid(&in, &how, NULL, &mesh, NULL, &r), PBW_OK);
     CHECK(is_sound(&mesh) && r.settled && r.bad_edges + r.bad_points == 0 && r.euler == 2);
-    CHECK(r.distance < 0.45 && r.improve.after.least > 19.99);
+    CHECK(r.distance < 0.45 && r.improve.after.least > 28);
     test_say("%zu tetrahedra, distance %.3f, %.1f", mesh.tet_count, r.distance, r.improve.after.least);
     check_threads(&in, &how, &mesh);
     tets = mesh.tet_count;

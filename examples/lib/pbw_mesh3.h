@@ -5827,8 +5827,8 @@ static size_t pbwm3__list_item_places(void *lists, size_t item, size_t at)
     }
     a = s->points + 3 * (size_t)edge->v[0];
     b = s->points + 3 * (size_t)edge->v[1];
-    parts = (size_t)fmin(ceil(2 * pbwsf__distance(a, b) / l->w->size), 1e5);
-    if (parts < 2 || pbwm3__angle_at(l->w, edge, 2) > 179
+    parts = (size_t)fmax(2, fmin(ceil(2 * pbwsf__distance(a, b) / l->w->size), 1e5));
+    if (pbwm3__angle_at(l->w, edge, 2) > 179
         || (l->chained[edge->v[0]] && l->chained[edge->v[1]] && pbwm3__is_sharp(l->w, edge))) {
         return 0;
     }
