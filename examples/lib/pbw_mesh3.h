@@ -97,9 +97,10 @@
 
    DOES NOT  settle at gaps of a shell below 1/10 of the size, nor always at acute edges: it warns.  Surfaces with
              walls below about 1/10 of the size on the whole are refused: report.thickness.
-             Shells may be nested or cross.  If rounding keeps the pieces of their union from closing, they are joined
-             without sharp edges where they cross: report.united is 0.  Where four
-             walls meet inside, facets of interfaces may cut the corner, by up to 0.15 sizes: see report.distance.
+             Shells may be nested or cross.  If rounding keeps the pieces of their union from closing, or faces of them
+             lie in one plane but for rounding, they are joined without sharp edges where they cross: report.united is
+             0.  Where four walls meet inside, facets of interfaces may cut the corner, by up to 0.15 sizes: see
+             report.distance.
              Points between two regions are not moved.
              Smooth tips sharper than a cone of 60 degrees may stay farther from the boundary than options.distance.
 
@@ -240,7 +241,8 @@ typedef struct pbw_solid_report {
     long euler, input_euler;               /* Euler numbers: of the boundary, of the input */
     double distance;                       /* Hausdorff distance of boundary and surface, sampled, in sizes; of the
                                               boundary from the surface alone if shells cross and are not united */
-    double size, input_volume;
+    double size;
+    double input_volume;                   /* of shells that cross and are not united, the sum */
     int rounds, settled;                   /* settled: 1, nothing was left to add */
     double seconds[4];                     /* of processor time: sampling, rounds, improvement, this report */
     pbw_improve_report improve;
@@ -2985,6 +2987,7 @@ static pbw_status pbwm3__unite(pbwm3__work *w)
 {
     pbwm3__cutting c;
     pbw_status status;
+    size_t i;
     int closed = 0;
     memset(&c, 0, sizeof c);
     status = pbwm3__find_cuts(w, &c);
@@ -2994,6 +2997,9 @@ static pbw_status pbwm3__unite(pbwm3__work *w)
     status = status != PBW_OK || !closed ? status : pbwm3__compare_union(w, &c, &closed);
     status = status == PBW_DEGENERATE || (status == PBW_OK && !closed) ? PBW_OK
            : status != PBW_OK ? status : pbwm3__take_union(w, &c);
+    for (i = 0; !w->report->united && i < w->shells.count; i++) {    /* one that crosses others is in none of them */
+        w->report->input_volume = (i > 0 ? w->report->input_volume : 0) + fabs(w->shells.at[i].volume);
+    }
     pbwm3__free_cutting(w, &c);
     PBW_RELEASE(&w->memory, w->crossing);
     PBW_RELEASE(&w->memory, w->segments);
