@@ -97,10 +97,10 @@
 
    DOES NOT  settle at gaps of a shell below 1/10 of the size, nor always at acute edges: it warns.  Surfaces with
              walls below about 1/10 of the size on the whole are refused: report.thickness.
-             Shells may be nested or cross.  If rounding keeps the pieces of their union from closing, or faces of them
-             lie in one plane but for rounding, they are joined without sharp edges where they cross: report.united is
-             0.  Where four walls meet inside, facets of interfaces may cut the corner, by up to 0.15 sizes: see
-             report.distance.
+             Shells may be nested or cross.  If rounding keeps the pieces of their union from closing, or faces of
+             them lie in one plane but for rounding, they are joined without sharp edges where they cross:
+             report.united is 0.  Where four walls meet inside, facets of interfaces may cut the corner, by up to
+             0.15 sizes: see report.distance.
              Points between two regions are not moved.
              Smooth tips sharper than a cone of 60 degrees may stay farther from the boundary than options.distance.
 
