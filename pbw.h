@@ -803,7 +803,8 @@ extern int madvise(void *address, size_t length, int advice);    /* strict C mod
 #endif
 
 /* Contraction must be off for both compilers; each ignores the other's pragma.  (gcc 12 fuses even so, in vector
-   code of the form a*b +- c*d under -mfma: `make asm` looks for that in the predicates.) */
+   code of the form a*b +- c*d under -mfma: `make asm` looks for that in the predicates.)  gcc 13 moves two integers
+   to a vector by an MMX register and does not reset the x87 unit, so that long doubles of a caller become NaN. */
 #if defined(__clang__)
 #if defined(__x86_64__) || defined(__i386__)
 #pragma float_control(push)
@@ -816,6 +817,7 @@ extern int madvise(void *address, size_t length, int advice);    /* strict C mod
 #endif
 #pragma GCC push_options
 #pragma GCC optimize("fp-contract=off")
+#pragma GCC optimize("no-tree-slp-vectorize")
 #ifdef __NVCC__
 #pragma nv_diagnostic pop
 #endif
