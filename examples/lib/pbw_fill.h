@@ -1222,6 +1222,9 @@ static pbw_status pbwfill__make_edges(pbwfill__work *w, const pbw_index *order, 
         if (!PBW_PUSH(&w->memory, w->edges, e)) {
             return PBW_ERROR_MEMORY;
         }
+        if (pbwfill__tick(w, (double)i / (double)count)) {
+            return PBW_CANCELLED;
+        }
     }
     return PBW_OK;
 }
@@ -1271,6 +1274,9 @@ static pbw_status pbwfill__make_facets(pbwfill__work *w, const unsigned char *go
     }
     for (i = 0; i < w->edges.count; i++) {
         pbwfill__edge *e = w->edges.at + i;
+        if (pbwfill__tick(w, 1)) {
+            return PBW_CANCELLED;
+        }
         if (pbwfill__is_flat(w, e)) {                /* the lower number becomes the root */
             const pbw_index p = pbwfill__root(facet, w->sides.at[e->first] / 3);
             const pbw_index q = pbwfill__root(facet, w->sides.at[e->first + 1] / 3);
@@ -2619,9 +2625,8 @@ static pbw_status pbwfill__recover_facets(pbwfill__work *w)
             continue;                                /* all facets are found: of segments, only wires are looked up */
         }
         slot = pbwfill__put(w, &w->segments, p->a < p->b ? p->a : p->b, p->a < p->b ? p->b : p->a, PBW_NONE);
-        if (slot == NULL) {
-            status = PBW_ERROR_MEMORY;
-        } else {
+        status = slot == NULL ? PBW_ERROR_MEMORY : pbwfill__tick(w, 0) ? PBW_CANCELLED : PBW_OK;
+        if (slot != NULL) {
             *slot = (pbw_index)i;
         }
     }
@@ -2676,6 +2681,9 @@ static pbw_status pbwfill__find_components(pbwfill__work *w, pbwfill__map *map, 
         while (w->rest.count > 0) {
             const pbwfill__tet *t = w->tets.at + w->rest.at[--w->rest.count];
             int k;
+            if (pbwfill__tick(w, 0)) {
+                return PBW_CANCELLED;
+            }
             for (k = 0; k < 4; k++) {
                 if (t->n[k] != PBW_NONE && t->wall[k] == PBW_NONE && w->region.at[t->n[k]] == PBW_NONE) {
                     w->region.at[t->n[k]] = number;
@@ -4134,7 +4142,7 @@ static pbw_status pbwfill__cut_facets(pbwfill__work *w, int last, size_t *failed
             continue;
         }
         pbwfill__see(w, &f, (pbw_index)i);
-        status = pbwfill__make_edges_of(w, &f);
+        status = pbwfill__tick(w, 1) ? PBW_CANCELLED : pbwfill__make_edges_of(w, &f);
         if (status == PBW_OK && !pbwfill__find_triangles(w, &f)) {
             status = PBW_ERROR_MEMORY;
         }
@@ -5197,8 +5205,8 @@ static pbw_index pbwfill__triangle_at(const pbwfill__work *w, const pbw_surface 
 }
 
 /* Copies the tetrahedra. */
-static void pbwfill__copy(pbwfill__work *w, pbwfill__result *r, const pbw_surface *surface,
-                          const pbwfill__indices *tet, const pbwfill__indices *point)
+static pbw_status pbwfill__copy(pbwfill__work *w, pbwfill__result *r, const pbw_surface *surface,
+                                const pbwfill__indices *tet, const pbwfill__indices *point)
 {
     size_t i, j;
     unsigned k;
@@ -5217,6 +5225,9 @@ static void pbwfill__copy(pbwfill__work *w, pbwfill__result *r, const pbw_surfac
                     v[j] = t->v[PBW_FACET_CORNER(k, j)];
                 }
                 triangle = pbwfill__triangle_at(w, surface, v, t->wall[k]);
+                if (pbwfill__tick(w, (double)i / (double)w->tets.count)) {
+                    return PBW_CANCELLED;
+                }
             }
             r->patches.at[4 * to + k] = triangle;
         }
@@ -5224,6 +5235,7 @@ static void pbwfill__copy(pbwfill__work *w, pbwfill__result *r, const pbw_surfac
             r->regions.at[to] = w->region.at[i];
         }
     }
+    return PBW_OK;
 }
 
 /* Lists the facets, each of the tetrahedron with the lower number.  Returns 0 without memory. */
@@ -5393,7 +5405,7 @@ static pbw_status pbwfill__write(pbwfill__work *w, pbw_filled *filled)
         status = PBW_ERROR_MEMORY;
     }
     if (status == PBW_OK) {
-        pbwfill__copy(w, r, &surface, &tet, &point);
+        status = pbwfill__copy(w, r, &surface, &tet, &point);
     }
     pbw_surface_free(&surface);
     PBW_RELEASE(&w->memory, points);
