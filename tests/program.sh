@@ -412,7 +412,7 @@ check "a solid of tetrahedra" says 0 "tetrahedra and their regions are not kept"
 check "fill --conforming" says 0 "8 points, 0 of them new, 12 facets" fill cube.obj --conforming
 check "fill --split-flat" says 0 "14 points, 6 of them new, 24 facets" fill cube.obj --conforming --split-flat
 "$pbw" mesh --generate sphere 60 --quiet -o small.obj
-check "fill --target" says 0 "away from the surface: " fill small.obj --target 15 -o filled.vtu
+check "fill --target" says 0 "away from the surface: " fill small.obj --target 15 --ratio 1.5 -o filled.vtu
 check "fill --target keeps the faces" says 0 ", 116 facets on the surface" fill small.obj --target 15 --seconds 9
 check "fill --size" says 0 "too slim, at faces" fill small.obj --size 0.3
 check "fill --size: a formula" says 0 "too slim, at faces" fill small.obj --size '0.2+0.3*hypot(x,y)'

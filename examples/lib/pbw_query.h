@@ -991,19 +991,19 @@ static pbw_status pbwq__bins_count(void *arg, size_t from, size_t to)
         double centre = 0.0;
         float distance;
         uint32_t bits;                               /* they ascend with a float from 0 on */
-        uint64_t near, old;
+        uint64_t key, old;
         at = pbwq__bin_of(grid, mesh->dim, p, &centre) - grid->first;
         distance = (float)centre;
         memcpy(&bits, &distance, sizeof(bits));
-        near = (uint64_t)bits << 32 | i;
+        key = (uint64_t)bits << 32 | i;
         if (alone) {
             binning->counts[at]++;
-            binning->nearest[at] = near < binning->nearest[at] ? near : binning->nearest[at];
+            binning->nearest[at] = key < binning->nearest[at] ? key : binning->nearest[at];
             continue;
         }
         (void)PBW__ADD(binning->counts + at, 1);
         old = PBW__LOAD(binning->nearest + at);
-        while (near < old && !PBW__CAS(binning->nearest + at, &old, near)) {
+        while (key < old && !PBW__CAS(binning->nearest + at, &old, key)) {
         }
     }
     return PBW_OK;
