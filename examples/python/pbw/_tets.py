@@ -108,9 +108,9 @@ class _FillOptions(ctypes.Structure):
 class _FillReport(ctypes.Structure):
     """pbw_fill_report."""
     _fields_ = [("refusal", ctypes.c_int), ("fault_count", _size), ("faults", ctypes.c_uint32 * 2 * 8),
-                *((name, _size) for name in ("rounded", "doubles", "collapsed", "segments", "facets",
-                                             "missing_segments", "missing_facets", "segment_points", "inner_points",
-                                             "inside_points", "too_large", "too_slim", "regions", "flat_tets")),
+                *((name, _size) for name in ("doubles", "collapsed", "segments", "facets", "missing_segments",
+                                             "missing_facets", "segment_points", "inner_points", "inside_points",
+                                             "too_large", "too_slim", "regions", "flat_tets")),
                 ("improve", _ImproveReport), ("inner", _Quality), ("seconds", _double * 10)]
 
 
