@@ -282,6 +282,23 @@ static void test_distance(void)
     test_end();
 }
 
+/* The part becomes a box. */
+static void make_box(part *m, const double low[3], const double high[3])
+{
+    m->points = m->triangles = 0;
+    (void)part_box(m, low, high, 0);
+}
+
+/* Makes the solid of a part, which must be sound, with a boundary that is a manifold. */
+static void make_solid(const part *m, const pbw_solid_options *how, pbw_tets *mesh, pbw_solid_report *r)
+{
+    pbw_solid_input in = input_of(m);
+    CHECK_EQUAL(pbw_solid(&in, how, NULL, mesh, NULL, r), PBW_OK);
+    CHECK(is_sound(mesh) && r->bad_edges + r->bad_points == 0);
+    test_say("%zu tetrahedra %.2f..%.2f, volume %.4f of %.4f, distance %.3f", mesh->tet_count, r->improve.after.least,
+             r->improve.after.largest, r->improve.after.volume, r->input_volume, r->distance);
+}
+
 /* Two pyramids or cones, base to base. */
 static void make_bipyramid(part *m, size_t sides, double radius, double height)
 {
@@ -315,16 +332,14 @@ static void test_horns(void)
     in = input_of(&m);
     memset(&how, 0, sizeof how);
     how.size = 0.4;
-    CHECK_EQUAL(pbw_solid(&in, &how, NULL, &mesh, NULL, &r), PBW_OK);
-    CHECK(is_sound(&mesh) && r.settled && r.bad_edges + r.bad_points == 0 && r.euler == 2);
-    CHECK(r.distance < 0.45 && r.improve.after.least > 28);
-    test_say("%zu tetrahedra, distance %.3f, %.1f", mesh.tet_count, r.distance, r.improve.after.least);
+    make_solid(&m, &how, &mesh, &r);
+    CHECK(r.settled && r.euler == 2 && r.distance < 0.45 && r.improve.after.least > 28);
     check_threads(&in, &how, &mesh);
     tets = mesh.tet_count;
     pbw_tets_free(&mesh);
     how.least_size = 0.4 / 3;                        /* no size below it, at tips either */
-    CHECK_EQUAL(pbw_solid(&in, &how, NULL, &mesh, NULL, &r), PBW_OK);
-    CHECK(mesh.tet_count < tets && r.improve.after.least > 19.99);
+    make_solid(&m, &how, &mesh, &r);
+    CHECK(mesh.tet_count < tets && r.distance < 0.45 && r.improve.after.least > 27);
     pbw_tets_free(&mesh);
     test_end();
 }
@@ -335,22 +350,17 @@ static void test_tips_let_go(void)
     static part m;
     pbw_solid_options how;
     pbw_solid_report r;
-    pbw_solid_input in;
     pbw_tets mesh;
     if (!test_begin("tips that spoil tetrahedra")) {
         return;
     }
     make_bipyramid(&m, 3, 0.5, 2);
-    in = input_of(&m);
     memset(&how, 0, sizeof how);
     how.sharp = PBW_SOLID_SHARP_NONE;
     how.size = 0.16;
-    CHECK_EQUAL(pbw_solid(&in, &how, NULL, &mesh, NULL, &r), PBW_OK);
-    CHECK(is_sound(&mesh) && r.bad_edges + r.bad_points == 0 && r.euler == 2);
+    make_solid(&m, &how, &mesh, &r);
     CHECK_EQUAL(r.improve.left, 0);
-    CHECK(r.improve.after.least > 29.9 && r.distance < 0.4);
-    test_say("%zu tetrahedra %.2f..%.2f, distance %.3f", mesh.tet_count, r.improve.after.least,
-             r.improve.after.largest, r.distance);
+    CHECK(r.euler == 2 && r.improve.after.least > 29.9 && r.distance < 0.4);
     pbw_tets_free(&mesh);
     test_end();
 }
@@ -362,38 +372,31 @@ static void test_creases(void)
     static part m;
     pbw_solid_options how;
     pbw_solid_report r;
-    pbw_solid_input in;
     pbw_tets mesh;
     int i;
     if (!test_begin("creases and their corners")) {
         return;
     }
-    m.points = m.triangles = 0;
-    (void)part_box(&m, low, high, 0);
-    in = input_of(&m);
+    make_box(&m, low, high);
     memset(&how, 0, sizeof how);
     how.sharp = PBW_SOLID_SHARP_NONE;
     for (i = 1; i < 4; i++) {
         how.size = 0.1 * i;
-        CHECK_EQUAL(pbw_solid(&in, &how, NULL, &mesh, NULL, &r), PBW_OK);
-        CHECK(is_sound(&mesh) && r.bad_edges + r.bad_points == 0 && r.euler == 2 && r.sharp_edges == 0);
-        CHECK(r.distance < 0.15 && r.improve.after.least > 29);
-        test_say("%zu tetrahedra %.2f..%.2f, distance %.3f", mesh.tet_count, r.improve.after.least,
-                 r.improve.after.largest, r.distance);
+        make_solid(&m, &how, &mesh, &r);
+        CHECK(r.euler == 2 && r.sharp_edges == 0 && r.distance < 0.15 && r.improve.after.least > 29);
         pbw_tets_free(&mesh);
     }
     test_end();
 }
 
-/* Faces that lie in one plane but for rounding, so that few of their triangles cross: boxes on a cone that stands on
-   its tip.  A union with too few cuts loses a box, or its pieces overlap. */
+/* Faces that lie in one plane but for rounding, so that few of their triangles cross: boxes on a cone, of which the
+   tip is below.  A union with too few cuts loses a box, or its pieces overlap. */
 static void test_nearly_common_faces(void)
 {
     static const double line[3][2] = { { 0, 0 }, { 0.8, 0.9 }, { 0, 0.9 } };
     static part m;
     pbw_solid_options how;
     pbw_solid_report r;
-    pbw_solid_input in;
     pbw_tets mesh;
     int i;
     if (!test_begin("faces in one plane but for rounding")) {
@@ -409,12 +412,9 @@ static void test_nearly_common_faces(void)
         volume = part_turned(&m, 3, line, 16, 0);
         volume += part_box(&m, low, high, 0);
         part_turn(&m);
-        in = input_of(&m);
-        CHECK_EQUAL(pbw_solid(&in, &how, NULL, &mesh, NULL, &r), PBW_OK);
-        CHECK(is_sound(&mesh) && r.bad_edges + r.bad_points == 0);
+        make_solid(&m, &how, &mesh, &r);
         CHECK(fabs(r.improve.after.volume - volume) < 0.02 * volume && r.missing_edges < 10);
         CHECK(fabs(r.input_volume - volume) < 1e-6);
-        test_say("%d: volume %.4f of %.4f, distance %.3f", i, r.improve.after.volume, volume, r.distance);
         pbw_tets_free(&mesh);
     }
     test_end();
@@ -434,8 +434,7 @@ static void test_missing(void)
     if (!test_begin("sharp edges lost by other labels")) {
         return;
     }
-    m.points = m.triangles = 0;
-    (void)part_box(&m, low, high, 0);
+    make_box(&m, low, high);
     in = input_of(&m);
     memset(&how, 0, sizeof how);
     memset(&call, 0, sizeof call);
@@ -529,10 +528,8 @@ static void test_pits(void)
     memset(&how, 0, sizeof how);
     how.size = 0.2;
     how.sharp = PBW_SOLID_SHARP_NONE;
-    CHECK_EQUAL(pbw_solid(&in, &how, NULL, &mesh, NULL, &r), PBW_OK);
-    CHECK(is_sound(&mesh) && r.bad_edges + r.bad_points == 0 && r.euler == 2);
-    CHECK(r.distance < 0.2 && r.improve.after.least > 20);
-    test_say("distance %.3f, least angle %.1f", r.distance, r.improve.after.least);
+    make_solid(&m, &how, &mesh, &r);
+    CHECK(r.euler == 2 && r.distance < 0.2 && r.improve.after.least > 28);
     check_threads(&in, &how, &mesh);
     pbw_tets_free(&mesh);
     test_end();
@@ -743,8 +740,7 @@ static void test_plate(void)
     if (!test_begin("thin plate, large")) {
         return;
     }
-    m.points = m.triangles = 0;
-    (void)part_box(&m, low, high, 0);
+    make_box(&m, low, high);
     in = input_of(&m);
     memset(&how, 0, sizeof how);
     how.size = 1;
@@ -1446,8 +1442,7 @@ static void test_patches(void)
     if (!test_begin("patches")) {
         return;
     }
-    m.points = m.triangles = 0;
-    (void)part_box(&m, low, high, 0);
+    make_box(&m, low, high);
     part_turn(&m);
     memset(&how, 0, sizeof how);
     how.size = 0.3;
