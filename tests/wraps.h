@@ -7,6 +7,12 @@
 #include <stdlib.h>
 #include <string.h>
 
+#if defined(__GNUC__)
+#define WRAPS_UNUSED __attribute__((unused))
+#else
+#define WRAPS_UNUSED
+#endif
+
 /* ---- two triangles, or what is left of them ---- */
 
 /* Whether the closed segment p q meets the closed triangle c in the plane without axis `drop`; all are coplanar, and
@@ -244,7 +250,7 @@ static int wraps_is_filled(const pbw_wrap_result *w)
 
 /* Returns what is wrong with a wrap of the input, NULL if nothing is.  inside: of how many elements a corner is
    tested for being inside. */
-static const char *wraps_fault(const pbw_wrap_input *in, const pbw_wrap_result *w, size_t inside)
+WRAPS_UNUSED static const char *wraps_fault(const pbw_wrap_input *in, const pbw_wrap_result *w, size_t inside)
 {
     const size_t elements = wraps_elements(in), step = elements / inside + 1;
     size_t f, e, k;
@@ -293,7 +299,7 @@ typedef struct wraps_soup {
 } wraps_soup;
 
 /* Fills a soup by a random number: a few points on a grid, in a plane, on a line, near each other, or anywhere. */
-static void wraps_make(wraps_soup *s, uint64_t key)
+WRAPS_UNUSED static void wraps_make(wraps_soup *s, uint64_t key)
 {
     const unsigned kind = (unsigned)(pbw_random(key, 0) % 6), shift = (unsigned)(pbw_random(key, 1) % 8);
     const size_t points = 1 + pbw_random(key, 2) % (key % 2 != 0 ? 8 : WRAPS_POINTS);
