@@ -359,6 +359,9 @@ more() {    # more MODEL OPTIONS OPTIONS: the second ones make more tetrahedra
 }
 check "a solid" says 0 "8 corners, 12 sharp edges" solid cube.obj --size 0.3
 check "its volume" grep "volume 1, of the surface 1" said
+check "its Euler number" grep "Euler number 2, of the surface 2; edges" said
+(cube 0 0 1; cube 8 0.5 1.5) > joined.obj
+check "a union" says 0 "Euler number 2, of the united surface, contacts counted once, 2;" solid joined.obj --size 0.4
 check "--feature-angle" says 0 "0 corners, 0 sharp edges" solid cube.obj --size 0.3 --feature-angle 100
 check "--sharp" says 0 "0 corners, 0 sharp edges" solid cube.obj --size 0.3 --sharp none
 check "far from the surface" says 0 "sizes apart; a smaller --size" solid cube.obj --size 0.5 --sharp none \
@@ -432,6 +435,15 @@ sides, pbw solid closes it by --close or --wrap" fill lidless.obj
 check "fill: flat" says 1 "a triangle has no area; pbw check lists all of them, pbw solid takes" fill flat.obj
 sed '1s/.*/v 0.5 0.5 3/' cube.obj > crossed.obj
 check "fill: faces that cross" says 1 "pbw check lists all places" fill crossed.obj
+seeds_of() {    # seeds_of PLACE...: seeds.poly, a tetrahedron with these places in regions
+    printf '4 3\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n4\n1\n3 1 3 2\n1\n3 1 2 4\n1\n3 2 3 4\n1\n3 1 4 3\n0\n%d\n' $#
+    for place in "$@"; do echo "1 $place $((${#place} + 1))"; done
+}
+seeds_of "3 0 .5" > seeds.poly
+check "fill: a seed outside" says 1 "seed 0, at 3 0 0.5" fill seeds.poly
+seeds_of ".1 .1 .1" ".25 .1 .1" > seeds.poly
+check "fill: two seeds" says 1 "seed 1, at 0.25 0.1 0.1" fill seeds.poly
+check "fill: the other seed" says 1 "seed 0, at 0.1 0.1 0.1" fill seeds.poly
 check "fill --faces" sh -c '"$1" fill cube.obj --faces -o filled.msh2 --quiet &&
     [ "$(awk "NF == 8 && \$2 == 2 { print \$4 }" filled.msh2 | sort -u | wc -l)" = 12 ]' sh "$pbw"
 

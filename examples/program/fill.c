@@ -83,6 +83,22 @@ static void report_on(const job *j, const pbw_filled *f, const pbw_fill_report *
     }
 }
 
+static void describe_fault(const job *j, int refusal, const pbw_index fault[2])
+{
+    const pbw_index a = fault[0], b = fault[1];
+    int k;
+    for (k = 0; k < 2 && refusal == PBW_FILL_SEED && fault[k] != PBW_NONE; k++) {
+        const double *x = j->cloud.seeds[fault[k]].place;
+        report_line(j, "  seed %lu, at %.9g %.9g %.9g", (unsigned long)fault[k], x[0], x[1], x[2]);
+    }
+    if (refusal != PBW_FILL_SEED && a != PBW_NONE && b != PBW_NONE) {
+        report_line(j, "  %s %lu and %lu", refusal == PBW_FILL_CROSSING ? "faces" : "numbers", (unsigned long)a,
+                    (unsigned long)b);
+    } else if (refusal != PBW_FILL_SEED && a != PBW_NONE) {
+        report_line(j, "  face %lu", (unsigned long)a);
+    }
+}
+
 /* Says why the surface is refused, and where. */
 static int refuse(const job *j, pbw_status status, const pbw_fill_report *r)
 {
@@ -95,13 +111,7 @@ static int refuse(const job *j, pbw_status status, const pbw_fill_report *r)
          : r->refusal == PBW_FILL_CROSSING ? "; pbw check lists all places"
          : r->refusal == PBW_FILL_FLAT ? "; pbw check lists all of them, pbw solid takes such a surface" : "");
     for (i = 0; i < r->fault_count && i < PBW_FILL_PLACES; i++) {
-        const pbw_index a = r->faults[i][0], b = r->faults[i][1];
-        if (a != PBW_NONE && b != PBW_NONE) {
-            report_line(j, "  %s %lu and %lu", r->refusal == PBW_FILL_CROSSING ? "faces" : "numbers",
-                        (unsigned long)a, (unsigned long)b);
-        } else if (a != PBW_NONE) {
-            report_line(j, "  face %lu", (unsigned long)a);
-        }
+        describe_fault(j, r->refusal, r->faults[i]);
     }
     if (r->fault_count > PBW_FILL_PLACES) {
         report_line(j, "  and %zu more", r->fault_count - PBW_FILL_PLACES);

@@ -120,8 +120,9 @@ static void report_on(const job *j, const pbw_tets *mesh, const pbw_solid_report
     if (is_given(j, "--quality")) {
         describe_measures(j, mesh);
     }
-    report_line(j, "Euler number %ld, of the surface %ld; edges that are no manifold %zu, points %zu", r->euler,
-                r->input_euler, r->bad_edges, r->bad_points);
+    report_line(j, "Euler number %ld, of the %s %ld; edges that are no manifold %zu, points %zu", r->euler,
+                r->united ? "united surface, contacts counted once," : "surface", r->input_euler, r->bad_edges,
+                r->bad_points);
     report_line(j, "Hausdorff distance %.3f sizes of %.6g; volume %.9g, of the surface %.9g", r->distance, r->size,
                 r->improve.after.volume, r->input_volume);
     warn_of(j, r);
