@@ -1696,7 +1696,10 @@ def wraps():
     check(report["wrap"]["shell"] == 0 and 0.125 < report["wrap"]["alpha"] < 0.19, report)
     check(report["closed"] == 0 and report["raised"] == 0.125 and report["distance_before"][1] > 0.03, report)
     check((solid.neighbors < 0).sum() == len(solid.facets) and solid.points.max() < 1.2, solid)
-    report = pbw.solid(corners, np.concatenate([faces, [[0, 6, 4]]]), size=0.25, wrap=True).report
+    solid = pbw.solid(corners, np.concatenate([faces, [[0, 6, 4]]]), size=0.25, wrap=True)
+    report = solid.report
+    away = np.abs(solid.points[np.unique(solid.facets)] - 0.5).max(1) - 0.5
+    check((np.abs(away) < 1e-12).mean() > 0.7, away)                      # most points are on the cube
     check(report["closed"] == 1 and report["raised"] == 0 and abs(report["after"]["volume"] - 1) < 0.04, report)
     check(report["distance"][1] < report["distance_before"][1] and report["after"]["least"] > 29, report)
     raises_text(pbw.Error, "more tetrahedra", pbw.solid, corners, faces, wrap=True, most=10)

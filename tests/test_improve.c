@@ -1053,7 +1053,7 @@ static void label_free(labelled *l)
    threads.  1 % of the input's tetrahedra have a least angle below report.before.percent. */
 static void test_blocks(void)
 {
-    static const int threads[2] = { 2, 8 };
+    static const int threads[3] = { 2, 3, 8 };
     const size_t count = 1600;
     double *x = ball_points(2 * count, 0);
     pbw_options options;
@@ -1097,7 +1097,7 @@ static void test_blocks(void)
     CHECK(below <= in.tet_count / 100 && below + 2 >= in.tet_count / 100);           /* each angle is there twice */
     test_say("%zu tetrahedra, %zu below 30 degrees, then %zu", in.tet_count, report.before.below[3], report.left);
     CHECK(report.left * 10 < report.before.below[3]);
-    for (i = 0; i < 2; i++) {
+    for (i = 0; i < 3; i++) {
         options.threads = threads[i];
         CHECK_EQUAL(pbw_improve(&in, &how, &options, &again, &other), PBW_OK);
         CHECK(same_bytes(&again, &out) && memcmp(&other, &report, sizeof other) == 0);
@@ -1182,7 +1182,7 @@ static void test_labelled(void)
     CHECK_EQUAL(pbw_improve(&l.in, &l.how, &options, &out, NULL), PBW_OK);
     CHECK(is_sound(&out) && out.patches != NULL);
     test_say("%zu tetrahedra, %zu edges", out.tet_count, out.edge_count);
-    for (i = 0; i < 2; i++) {
+    for (i = 0; i < 3; i++) {
         options.threads = threads[i];
         CHECK_EQUAL(pbw_improve(&l.in, &l.how, &options, &other, NULL), PBW_OK);
         CHECK(same_bytes(&out, &other));

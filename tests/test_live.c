@@ -406,12 +406,12 @@ static pbw_options metered(meter *m)
 }
 
 /* A commit of all kinds of changes with the k-th request refused, for every k: it fails and leaves everything as it
-   was, and the next one carries it out.  Every seventh k is enough where threads are watched for races, which
-   takes twenty times as long: what is lost in memory the other runs find. */
+   was, and the next one carries it out.  Where threads are watched for races, which takes twenty times as long, every
+   seventh k is enough in space: what is lost in memory the other runs find. */
 static void refuse(int dim, int kind, int weighted, int moves, int fail_all_after)
 {
     long k;
-    for (k = 1; k < 3000 && test_faults == 0; k += TEST_WATCHES_THREADS ? 7 : 1) {
+    for (k = 1; k < 3000 && test_faults == 0; k += TEST_WATCHES_THREADS && dim == 3 ? 7 : 1) {
         pbw_mesh none;
         pbw_options options;
         pbw_live *live = NULL;
