@@ -1261,7 +1261,7 @@ static pbw_status pbwwr__carve(pbwwr__work *w)
         if (pbwwr__progress(w, PBW_STAGE_WORK, 0)) {
             return PBW_CANCELLED;
         }
-        own.threads = count < PBWWR__FEW ? 1 : w->options.threads;           /* starting some takes longer */
+        own.threads = count < PBWWR__FEW ? 1 : w->options.threads;           /* to wake some takes longer */
         status = pbw_for(&own, count, PBWWR__GRAIN, pbwwr__decide_some, w);
         status = status != PBW_OK ? status : pbwwr__carry_out(w, count, &own);
         if ((double)w->alive > most) {
@@ -2248,6 +2248,8 @@ PBWDEF pbw_status pbw_wrap(const pbw_wrap_input *input, const pbw_wrap_options *
     pbw_wrap_options plain;
     pbw_wrap_report own;
     pbwwr__work w;
+    pbw_options shared;
+    pbw_threads *threads;
     pbw_status status = PBW_OK;
     size_t i;
     memset(&w, 0, sizeof w);
@@ -2269,7 +2271,8 @@ PBWDEF pbw_status pbw_wrap(const pbw_wrap_input *input, const pbw_wrap_options *
     for (i = 0; i < 3 * w.how->seed_count; i++) {
         status = fabs(w.how->seeds[i]) <= 1e300 ? status : PBW_ERROR_NOT_FINITE;
     }
-    pbwwr__set_options(&w, options);
+    threads = pbw_threads_start(options, (size_t)1 << 20, &shared);          /* for some hundred short rounds */
+    pbwwr__set_options(&w, &shared);
     status = status != PBW_OK ? status : pbwwr__run(&w, input, wrap);
     pbwwr__unload(&w);
     PBW_RELEASE(&w.memory, w.x);
@@ -2283,6 +2286,7 @@ PBWDEF pbw_status pbw_wrap(const pbw_wrap_input *input, const pbw_wrap_options *
     PBW_RELEASE(&w.memory, w.later);
     PBW_RELEASE(&w.memory, w.cavities);
     PBW_RELEASE(&w.memory, w.verdicts);
+    pbw_threads_stop(threads);
     if (status != PBW_OK) {
         pbw_wrap_free(wrap);
     }
