@@ -385,8 +385,8 @@ typedef pbw_status pbw_body(void *arg, size_t from, size_t to);
 PBWDEF pbw_status pbw_for(const pbw_options *options, size_t count, size_t grain, pbw_body *body, void *arg);
 
 /* Starts threads for calls on about `count` points.  *inner becomes *options (NULL: all zero), and calls with it or a
-   copy of it, one at a time, run on these threads.  Returns NULL where there are none to start, where memory is short
-   and where options.run is set: calls with *inner then do as with *options.
+   copy of it, one at a time, run on these threads.  inner may be options.  Returns NULL where there are none to
+   start, where memory is short and where options.run is set: calls with *inner then do as with *options.
    stop: ends the threads, after the last call with *inner; fine on NULL. */
 typedef struct pbw_threads pbw_threads;
 PBWDEF pbw_threads *pbw_threads_start(const pbw_options *options, size_t count, pbw_options *inner);
@@ -1993,8 +1993,9 @@ PBWDEF pbw_threads *pbw_threads_start(const pbw_options *options, size_t count, 
 {
     pbw__context context;
     pbw__context_start(&context, options, count);
-    memset(inner, 0, sizeof(*inner));
-    if (options != NULL) {
+    if (options == NULL) {
+        memset(inner, 0, sizeof(*inner));
+    } else {
         *inner = *options;
     }
 #ifdef PBW__THREADS

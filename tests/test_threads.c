@@ -234,7 +234,8 @@ static void test_shared_threads(size_t count)
                 CHECK(inner.memory_limit > 0 && (inner.memory_limit < five.memory_limit) == (lack != 1));
                 threads_allowed = lack == 0 ? 0 : -1;
                 compare(&p, inner, &right);
-                others = pbw_threads_start(&inner, count, &again);
+                again = inner;                       /* which may be the same options */
+                others = pbw_threads_start(&again, count, &again);
                 CHECK((others == NULL && again.run == inner.run) == (lack != 1));
                 CHECK_EQUAL(pbw_triangulate(dim, p.x, p.w, count, &again, &mesh), PBW_OK);
                 CHECK(meshes_equal(&mesh, &right) && mesh.statistics.threads == 5);
