@@ -736,14 +736,22 @@ static int pbwfill__sign_of_ends(const pbwfill__work *w, const double *const *p,
     return sign;
 }
 
+static int pbwfill__exact_orient(const pbwfill__work *w, const double *const p[4])
+{
+    double pool[18 * PBWFILL__PARTS], *top = pool;
+    pbwfill__exact e;
+    pbwfill__sum n;
+    pbwfill__read_rows(w, p, 3, p[3], &e, &top);
+    n = pbwfill__exact_minor3(&e, 0, 1, 2, &top);
+    return -pbwfill__sign(&n);
+}
+
 /* pbw_orient3 with rests.  Roundings on a product as in pbw.h's table: 2 for each of three differences, and 5 more;
    six products: 66 u times the sizes.  In pairs 3 * 3 and 5: 672 u^2. */
 static int pbwfill__orient_rests(const pbwfill__work *w, const double *const p[4])
 {
-    double pool[18 * PBWFILL__PARTS], *top = pool, rows[4][3], size[4], det, bound;
+    double rows[4][3], size[4], det, bound;
     pbw_pair pairs[4][3];
-    pbwfill__exact e;
-    pbwfill__sum n;
     int sign;
     pbwfill__subtract(w, p, 3, p[3], rows, size);
     det = pbwfill__minor3(rows, 0, 1, 2);
@@ -755,12 +763,7 @@ static int pbwfill__orient_rests(const pbwfill__work *w, const double *const p[4
     det = pbwfill__pair_minor3(pairs, 0, 1, 2).head;
     bound = 1e-29 * size[0] * size[1] * size[2];
     sign = det > bound ? -1 : det < -bound ? 1 : pbwfill__sign_of_ends(w, p, 4, 3);
-    if (sign == 2) {
-        pbwfill__read_rows(w, p, 3, p[3], &e, &top);
-        n = pbwfill__exact_minor3(&e, 0, 1, 2, &top);
-        sign = -pbwfill__sign(&n);
-    }
-    return sign;
+    return sign < 2 ? sign : pbwfill__exact_orient(w, p);
 }
 
 static double pbwfill__largest(double a, double b, double c)
@@ -885,20 +888,11 @@ static int pbwfill__conflict3(const pbwfill__work *w, const double *a, const dou
     return pbw_conflict3(a, b, c, d, p, NULL);
 }
 
-/* pbw_orient2 along an axis with rests.  Two products with 2 * 2 + 2 roundings: 12 u times the sizes. */
-static int pbwfill__turn_rests(const pbwfill__work *w, const double *const p[3], int axis)
+static int pbwfill__exact_turn(const pbwfill__work *w, const double *const p[3], int u, int v)
 {
-    const int u = (axis + 1) % 3, v = (axis + 2) % 3;
-    double pool[6 * PBWFILL__PARTS], *top = pool, rows[4][3], size[4], det, bound;
+    double pool[6 * PBWFILL__PARTS], *top = pool;
     pbwfill__sum x[2], y[2], n;
-    int i, sign;
-    pbwfill__subtract(w, p, 2, p[2], rows, size);
-    det = rows[0][u] * rows[1][v] - rows[1][u] * rows[0][v];
-    bound = 2e-15 * size[u] * size[v];
-    sign = det > bound ? 1 : det < -bound ? -1 : pbwfill__sign_of_ends(w, p, 3, axis);
-    if (sign < 2) {
-        return sign;
-    }
+    int i;
     for (i = 0; i < 2; i++) {
         x[i] = pbwfill__difference(w, p[i], p[2], u, &top);
         y[i] = pbwfill__difference(w, p[i], p[2], v, &top);
@@ -907,6 +901,19 @@ static int pbwfill__turn_rests(const pbwfill__work *w, const double *const p[3],
     pbwfill__add_product(&n, &x[0], &y[1], 1);
     pbwfill__add_product(&n, &x[1], &y[0], -1);
     return pbwfill__sign(&n);
+}
+
+/* pbw_orient2 along an axis with rests.  Two products with 2 * 2 + 2 roundings: 12 u times the sizes. */
+static int pbwfill__turn_rests(const pbwfill__work *w, const double *const p[3], int axis)
+{
+    const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+    double rows[4][3], size[4], det, bound;
+    int sign;
+    pbwfill__subtract(w, p, 2, p[2], rows, size);
+    det = rows[0][u] * rows[1][v] - rows[1][u] * rows[0][v];
+    bound = 2e-15 * size[u] * size[v];
+    sign = det > bound ? 1 : det < -bound ? -1 : pbwfill__sign_of_ends(w, p, 3, axis);
+    return sign < 2 ? sign : pbwfill__exact_turn(w, p, u, v);
 }
 
 /* On which side of a-b, seen along an axis, c is. */
