@@ -1916,12 +1916,16 @@ static int pbwfill__meets_in_plane(const pbwfill__work *w, const double *p, cons
     int i, k;
     for (i = 0; i < 3; i++) {
         const double *a = c[i], *b = c[(i + 1) % 3];
-        int apart = pbwfill__turn(w, p, q, a, axis) * pbwfill__turn(w, p, q, b, axis) > 0
-                 || pbwfill__turn(w, a, b, p, axis) * pbwfill__turn(w, a, b, q, axis) > 0;
-        for (k = 0; k < 3 && !apart; k++) {          /* on one line, too */
-            apart = fmax(p[k], q[k]) < fmin(a[k], b[k]) || fmax(a[k], b[k]) < fmin(p[k], q[k]);
+        int smaller = 0, larger = 0;                 /* of p and q against a and b */
+        if (pbwfill__turn(w, p, q, a, axis) * pbwfill__turn(w, p, q, b, axis) > 0
+            || pbwfill__turn(w, a, b, p, axis) * pbwfill__turn(w, a, b, q, axis) > 0) {
+            continue;
         }
-        if (!apart) {
+        for (k = 0; k < 4; k++) {                    /* on one line, too */
+            smaller += pbwfill__is_larger(w, k / 2 ? b : a, k % 2 ? q : p);
+            larger += pbwfill__is_larger(w, k % 2 ? q : p, k / 2 ? b : a);
+        }
+        if (smaller < 4 && larger < 4) {
             return 1;
         }
     }
