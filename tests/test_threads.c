@@ -209,6 +209,13 @@ static void test_job_systems(size_t count)
     }
 }
 
+/* A job system that has the tasks run by options that share threads: so does another copy of pbw.h. */
+static void run_by_shared(void *user, int tasks, void (*task)(void *arg, int i), void *arg)
+{
+    const pbw_options *shared = (const pbw_options *)user;
+    shared->run(shared->run_user, tasks, task, arg);
+}
+
 /* Calls share threads that were started before, even if no memory or no thread could be had for them.  None are
    started for calls that the caller's job system runs, or that will be refused. */
 static void test_shared_threads(size_t count)
@@ -234,6 +241,12 @@ static void test_shared_threads(size_t count)
                 CHECK(inner.memory_limit > 0 && (inner.memory_limit < five.memory_limit) == (lack != 1));
                 threads_allowed = lack == 0 ? 0 : -1;
                 compare(&p, inner, &right);
+                if (inner.run != NULL) {
+                    again = with_threads(5);
+                    again.run = run_by_shared;
+                    again.run_user = &inner;
+                    compare(&p, again, &right);
+                }
                 again = inner;                       /* which may be the same options */
                 others = pbw_threads_start(&again, count, &again);
                 CHECK((others == NULL && again.run == inner.run) == (lack != 1));
