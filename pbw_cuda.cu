@@ -890,7 +890,7 @@ bool is_pinned(const void *host)
     return cudaPointerGetAttributes(&a, host) == cudaSuccess && a.type != cudaMemoryTypeUnregistered;
 }
 
-/* The same for a call. */
+/* copy_staged by the threads of a call, which may be cancelled meanwhile. */
 bool copy_staged(call &c, const host_copy *copies, int count, bool to_host, pbw_stage stage)
 {
     staged_copies s = { copies, count, c.team->offers[c.card].device, to_host };
