@@ -518,7 +518,7 @@ static void test_empty(void)
         CHECK(pbw_surface_create(x, huge[i], ids, 1, NULL, &tree) == PBW_ERROR_TOO_LARGE || sizeof(size_t) == 4);
         CHECK(pbw_surface_create(x, 3, ids, huge[i], NULL, &tree) == PBW_ERROR_TOO_LARGE || sizeof(size_t) == 4);
         CHECK(pbw_surface_crossings(x, huge[i], ids, 1, NULL, &f) == PBW_ERROR_TOO_LARGE || sizeof(size_t) == 4);
-        CHECK(pbw_surface_crossings(x, 3, ids, huge[i], NULL, &f) == PBW_ERROR_TOO_LARGE);
+        CHECK(pbw_surface_crossings(x, 3, ids, huge[i], NULL, &f) == PBW_ERROR_TOO_LARGE || sizeof(size_t) == 4);
     }
     CHECK_EQUAL(pbw_surface_create(x, 3, ids, 1, NULL, &tree), PBW_OK);
     for (i = 0; i < 3; i++) {
