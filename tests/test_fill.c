@@ -697,39 +697,64 @@ static void test_fine(void)
     }
 }
 
-/* Two bodies with corners about one double apart, turned, so that no doubles are on their edges. */
-static void test_no_doubles(void)
+/* A turned part and a copy, shifted along an axis by its width and a gap there. */
+static void add_pair(size_t which, size_t axis, double gap)
 {
-    pbw_fill_input in;
-    size_t i;
-    if (test_begin("an edge without doubles on it")) {
-        static part m;
-        size_t k, left = 0, right = 0;
-        (void)part_make(PART_L, 1, &m);
-        big.points = big.triangles = 0;
-        for (i = 0; i < m.points; i++) {             /* the corner on the left beside that on the right */
-            left = m.x[i][0] < m.x[left][0] ? i : left;
-            right = m.x[i][0] > m.x[right][0] ? i : right;
+    static part m;
+    size_t i, k, left = 0, right = 0;
+    (void)part_make(which, 1, &m);
+    big.points = big.triangles = 0;
+    for (i = 0; i < m.points; i++) {                 /* the corner on the left beside that on the right */
+        left = m.x[i][axis] < m.x[left][axis] ? i : left;
+        right = m.x[i][axis] > m.x[right][axis] ? i : right;
+    }
+    for (i = 0; i < 2 * m.points; i++) {
+        double x[3];
+        for (k = 0; k < 3; k++) {
+            x[k] = m.x[i % m.points][k] + (i < m.points ? 0 : m.x[right][k] - m.x[left][k]);
         }
-        for (i = 0; i < 2 * m.points; i++) {
-            double x[3];
-            for (k = 0; k < 3; k++) {
-                x[k] = m.x[i % m.points][k] + (i < m.points ? 0 : m.x[right][k] - m.x[left][k]);
-            }
-            (void)point(i < m.points ? x[0] : x[0] + 1e-15, x[1], x[2]);
-        }
-        for (i = 0; i < 2 * m.triangles; i++) {
-            const pbw_index *t = m.t[i % m.triangles];
-            const size_t first = i < m.triangles ? 0 : m.points;
-            triangle(first + t[0], first + t[1], first + t[2]);
-        }
-        in = input_of_big();
-        (void)fill_and_check(&in, NULL, enclosed(&in));
-        test_end();
+        x[axis] += i < m.points ? 0 : gap;
+        (void)point(x[0], x[1], x[2]);
+    }
+    for (i = 0; i < 2 * m.triangles; i++) {
+        const pbw_index *t = m.t[i % m.triangles];
+        const size_t first = i < m.triangles ? 0 : m.points;
+        triangle(first + t[0], first + t[1], first + t[2]);
     }
 }
 
-/* Better angles inside, with the same facets. */
+/* Two bodies with corners some doubles apart, turned, so that no doubles are on their edges. */
+static void test_no_doubles(void)
+{
+    pbw_fill_options how;
+    pbw_fill_input in;
+    size_t i;
+    memset(&how, 0, sizeof how);
+    if (test_begin("an edge without doubles on it")) {
+        add_pair(PART_L, 0, 1e-15);
+        in = input_of_big();
+        (void)fill_and_check(&in, NULL, enclosed(&in));
+        (void)fail_allocations(&in, NULL, 40);
+        test_end();
+    }
+    off_grid = 1;
+    for (how.conforming = 0; how.conforming < 2; how.conforming++) {
+        if (test_begin("gaps of some doubles, %s", how.conforming ? "conforming" : "exact")) {
+            for (i = 0; i < PART_COUNT; i++) {
+                add_pair(i, i % 3, ldexp(1, -40 - (int)(5 * i % 14)));
+                in = input_of_big();
+                (void)fill_and_check(&in, &how, enclosed(&in));
+            }
+            add_pair(2, 0, ldexp(5, -55));           /* points that are at doubles turn tetrahedra */
+            in = input_of_big();
+            (void)fill_and_check(&in, &how, enclosed(&in));
+            (void)fail_allocations(&in, &how, 5);
+            test_end();
+        }
+    }
+    off_grid = 0;
+}
+
 static void test_improvement(void)
 {
     uint64_t key = 77;
