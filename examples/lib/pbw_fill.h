@@ -2800,6 +2800,7 @@ static pbw_status pbwfill__take_seeds(pbwfill__work *w, pbwfill__map *map)
             p[k] = pbwfill__scaled(w->input->seeds[3 * i + k], -w->exponent);
             inside &= p[k] >= low[k] && p[k] <= high[k];
         }
+        pbwfill__round(w, p);                        /* signs with rests need the range */
         if (!inside && !hole) {
             return pbwfill__refuse(w, PBW_FILL_SEED, (pbw_index)i, PBW_NONE);
         } else if (inside) {
@@ -5049,7 +5050,7 @@ static int pbwfill__shift(pbwfill__work *w, pbw_index v)
     double *at = w->x.at + PBWFILL__PLACE * (size_t)v, x[PBWFILL__PLACE], reach = 0;
     size_t i;
     unsigned j;
-    int free = 1;
+    int inside = 1;
     if (!pbwfill__open_star(w, v)) {
         return 0;
     }
@@ -5061,17 +5062,17 @@ static int pbwfill__shift(pbwfill__work *w, pbw_index v)
         face[0] = t->v[PBW_FACET_CORNER(k, 2)];
         face[1] = t->v[PBW_FACET_CORNER(k, 1)];
         face[2] = t->v[PBW_FACET_CORNER(k, 0)];
-        free &= !pbwfill__has_wire(w, t);
+        inside &= !pbwfill__has_wire(w, t);
         for (j = 0; j < 3; j++) {
             reach = fmax(reach, pbwfill__distance(at, pbwfill__at(w, face[j])));
-            free &= t->wall[PBW_FACET_CORNER(k, j)] == PBW_NONE;
+            inside &= t->wall[PBW_FACET_CORNER(k, j)] == PBW_NONE;
         }
         if (w->region.at[w->cavity.at[i]] != PBW_NONE && !pbwfill__add_face(w, face, 0, 1, PBW_NONE, PBW_NONE)) {
             return 0;
         }
     }
     memcpy(x, at, sizeof x);
-    pbwfill__climb(w, 1, x, free ? reach / 4 : ldexp(fmax(fmax(fabs(x[0]), fabs(x[1])), fabs(x[2])), -48), 60);
+    pbwfill__climb(w, 1, x, inside ? reach / 4 : ldexp(fmax(fmax(fabs(x[0]), fabs(x[1])), fabs(x[2])), -48), 60);
     if (pbwfill__sees_all(w, 1, x)) {
         memcpy(at, x, sizeof x);
     }
