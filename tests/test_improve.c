@@ -1182,7 +1182,7 @@ static void test_labelled(void)
     CHECK_EQUAL(pbw_improve(&l.in, &l.how, &options, &out, NULL), PBW_OK);
     CHECK(is_sound(&out) && out.patches != NULL);
     test_say("%zu tetrahedra, %zu edges", out.tet_count, out.edge_count);
-    for (i = 0; i < 3; i++) {
+    for (i = 0; i < 2; i++) {
         options.threads = threads[i];
         CHECK_EQUAL(pbw_improve(&l.in, &l.how, &options, &other, NULL), PBW_OK);
         CHECK(same_bytes(&out, &other));
