@@ -34,6 +34,10 @@ closed() {
                    if (edge[e] != 1 || edge[end[2] " " end[1]] != 1) { print "edge " e; exit 1 } } }' "$1"
 }
 
+plays() {   # plays FRAMES LABEL PAGE: a whole page of so many frames
+    [ "$(grep -c "<script.*data-label=.$2" "$3"),$(tail -n 1 "$3")" = "$1,</html>" ]
+}
+
 for expected in examples/expected/*.txt; do
     example=$(basename "$expected" .txt)
     [ ! -f "examples/$example.cu" ] || continue         # make cuda-test runs it
@@ -57,14 +61,11 @@ check "terrain writes a page" "$bin/terrain" "$work/terrain.pgm" "$work/terrain.
 check "terrain: a whole one" [ "$(tail -n 1 "$work/terrain.html")" = "</html>" ]
 in_full "gas writes a page that plays" "$bin/gas" 100 "$work/gas.html"
 in_full "gas: the first half" [ "$(cat "$work/out")" = "$(head -n 1 examples/expected/gas.txt)" ]
-in_full "gas: of 125 frames, whole" \
-    [ "$(grep -c '<script.*data-label=.time' "$work/gas.html"),$(tail -n 1 "$work/gas.html")" = "125,</html>" ]
+in_full "gas: of 125 frames, whole" plays 125 time "$work/gas.html"
 check "swarm writes a page that plays" "$bin/swarm" 100 310 "$work/swarm.html"
-check "swarm: of 155 frames, whole" \
-    [ "$(grep -c '<script.*data-label=.frame' "$work/swarm.html"),$(tail -n 1 "$work/swarm.html")" = "155,</html>" ]
+check "swarm: of 155 frames, whole" plays 155 frame "$work/swarm.html"
 check "front writes a page that plays" "$bin/front" "$work/front.html"
-check "front: of 64 frames, whole" \
-    [ "$(grep -c '<script.*data-label=.time' "$work/front.html"),$(tail -n 1 "$work/front.html")" = "64,</html>" ]
+check "front: of 64 frames, whole" plays 64 time "$work/front.html"
 for example in steps shares; do
     check "$example writes pictures" "$bin/$example" "$work/$example.svg"
     check "$example: three of them, whole" \

@@ -50,7 +50,8 @@
        insertion       an edge or a tetrahedron gets a corner in its middle, joined to a cavity that grows likewise
    An operation is carried out only if it raises the least quality of the tetrahedra that it changes (Klingner and
    Shewchuk 2007, "Aggressive tetrahedral mesh improvement").  Threads work at once in parts of the mesh, which depend
-   on the mesh only.
+   on the mesh only.  If tetrahedra below the target are left when the passes end, up to 16 final passes work around
+   these only, with a higher target for the neighbours, smaller gains and larger turns of the boundary.
    Two steps come first if the options ask for them:
    1. options.sizes gives edge lengths.  Edges shorter than half of theirs are contracted, and edges longer than 1.4
       times theirs are halved, the worst first, with passes between.
@@ -63,9 +64,10 @@
                  budget ends, a mesh is not worse than before, unless sizes change it
      positive    every tetrahedron made is positively oriented, by exact signs
      kept        fixed points, feature edges, the edges given, regions and their interfaces, patches and their
-                 borders; the boundary is as manifold as it was and has the same Euler number, and stays on the
-                 surface, to 25 degrees of its normals, 40 around what is left below the target; facets of these
-                 between frozen points, to the bit
+                 borders; the boundary is as manifold as it was, has the same Euler number, and stays on the
+                 surface: its facets turn from the surface's normals by less than 25 degrees, in final passes by
+                 less than 40; facets of the boundary, of interfaces and of patches between frozen points stay as
+                 they are, bit for bit
      same        the same bytes for the same input, whatever options.threads says (and unless a budget in seconds ends
                  it)
 
@@ -155,7 +157,7 @@ typedef struct pbw_improve_options {       /* NULL or all zero = best defaults *
     double target;                         /* degrees, 1 to 60: dihedral angles from this to 180 - this; 0 = 30 */
     double seconds;                        /* of all threads' processor time, then it ends with what it has;
                                               0 = no limit */
-    int passes;                            /* at most; 0 = 60, and 16 around what is left; -1 = none */
+    int passes;                            /* at most; 0 = 60, then up to 16 final ones; -1 = none */
     double feature_angle;                  /* degrees: boundary edges whose normals differ by more are kept; 0 = 40 */
     /* Moves a point to the boundary's surface.  Several threads call it at once, also with rounds = 0, unless
        options.threads is 1.  NULL = to the nearest point of the input's boundary. */
@@ -675,11 +677,11 @@ enum {
 #define PBWIM__PASSES 60
 #define PBWIM__GAIN 1e-3                   /* least gain of the least sine for an operation */
 #define PBWIM__SMOOTH_GAIN 0.1             /* least gain of smoothing, as a share of the way to the target */
-#define PBWIM__LAST_GAIN 0.01              /* the same around what is left after the passes */
+#define PBWIM__FINAL_GAIN 0.01             /* the same in final passes */
 #define PBWIM__DISTANCE_SHARE 0.6          /* of the distance limit: what boundary facets may use at first */
-#define PBWIM__RAISE 0.07                  /* radians, 4 degrees: raises the target around what is left */
+#define PBWIM__FINAL_RAISE 0.07            /* radians, 4 degrees: final passes raise the target by it, then by twice */
 #define PBWIM__SMOOTH_COSINE 0.90630778703665          /* cos 25 degrees: boundary facets turn by less */
-#define PBWIM__LAST_COSINE 0.766044443118978           /* cos 40 degrees: the same around what is left */
+#define PBWIM__FINAL_COSINE 0.766044443118978          /* cos 40 degrees: the same in final passes */
 
 typedef struct pbwim__kept_edge { pbw_index a, b, origin; } pbwim__kept_edge; /* a < b; origin PBW_NONE: no more */
 typedef PBW_ARRAY(pbwim__kept_edge) pbwim__kept_edges;
@@ -4320,17 +4322,17 @@ static int pbwim__relax_distance(pbwim__mesh *m, const pbw_improve_options *how)
     return relaxed;
 }
 
-/* Raises the target around the bad tetrahedra for four passes, which changes their neighbours, then makes four passes
-   with the old target.  While it is raised, the boundary moves no farther from the surface.  In all eight, smoothing
+/* Eight final passes around the bad tetrahedra: four with a higher target, which changes their neighbours, then four
+   with the old one.  While it is higher, the boundary moves no farther from the surface.  In all eight, smoothing
    climbs in random directions, smaller gains do, and boundary facets may turn by more. */
-static pbw_status pbwim__raise_target(pbwim__mesh *m, double raise, double done[2])
+static pbw_status pbwim__final_passes(pbwim__mesh *m, double raise, double done[2])
 {
     const double target = m->target, distance = m->distance;
     pbw_status status = PBW_OK;
     size_t changes;
     int i;
-    m->turn = PBWIM__LAST_COSINE;
-    m->smooth_gain = PBWIM__LAST_GAIN;
+    m->turn = PBWIM__FINAL_COSINE;
+    m->smooth_gain = PBWIM__FINAL_GAIN;
     m->turned = 1;
     status = pbwim__flag_active(m);
     memset(m->tried.at, 0, m->tets * sizeof *m->tried.at);
@@ -4391,7 +4393,7 @@ static pbw_status pbwim__passes(pbwim__mesh *m, const pbw_improve_options *how)
             break;
         }
         bad = now;
-        status = pbwim__raise_target(m, i * PBWIM__RAISE, done);
+        status = pbwim__final_passes(m, i * PBWIM__FINAL_RAISE, done);
     }
     return status;
 }
