@@ -1291,6 +1291,78 @@ static void test_failures(void)
     test_end();
 }
 
+typedef struct asking {                    /* projections since the last question whether to go on; the most of them */
+    watch watch;
+    long since, most, all;
+} asking;
+
+static void project_counted(void *user, double p[3])
+{
+    asking *a = (asking *)user;
+    const double length = sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]);
+    int k;
+    a->since++;
+    for (k = 0; k < 3 && length > 0; k++) {
+        p[k] /= length;
+    }
+}
+
+static int ask_counted(void *user, pbw_stage stage, double done)
+{
+    asking *a = (asking *)user;
+    a->most = a->since > a->most ? a->since : a->most;
+    a->all += a->since;
+    a->since = 0;
+    return watch_progress(&a->watch, stage, done);
+}
+
+/* A block asks whether to go on after so much work, however many tetrahedra are bad in it; and it can end there. */
+static void test_questions(void)
+{
+    const size_t count = 1000;
+    const long leg = PBWIM__LEG / PBWIM__PROJECTION, tet = 34 * 40 * 8;      /* climbs, their steps, directions */
+    double *x = ball_points(count, 1);
+    pbw_options options;
+    pbw_improve_options how;
+    pbw_mesh mesh;
+    pbw_tets in, out;
+    asking a;
+    meter m;
+    long calls, k;
+    if (!test_begin("questions within blocks")) {
+        free(x);
+        return;
+    }
+    memset(&mesh, 0, sizeof mesh);
+    memset(&options, 0, sizeof options);
+    memset(&how, 0, sizeof how);
+    memset(&a, 0, sizeof a);
+    CHECK_EQUAL(pbw_triangulate(3, x, NULL, count, NULL, &mesh), PBW_OK);
+    in = view(&mesh);
+    how.passes = 1;
+    how.project = project_counted;
+    how.project_user = &a;
+    options.threads = 1;
+    options.progress = ask_counted;
+    options.progress_user = &a;
+    options.resize = meter_resize;
+    options.resize_user = &m;
+    meter_start(&m, 0, 0);
+    watch_start(&a.watch, 0);
+    CHECK_EQUAL(pbw_improve(&in, &how, &options, &out, NULL), PBW_OK);
+    test_say("%ld projections, %ld questions, at most %ld between two", a.all, a.watch.calls, a.most);
+    CHECK(a.watch.wrong == 0 && a.all > 2 * (leg + tet) && a.most <= leg + tet);
+    pbw_tets_free(&out);
+    for (calls = a.watch.calls, k = 1; k < 4; k++) {
+        watch_start(&a.watch, calls * k / 4);
+        CHECK_EQUAL(pbw_improve(&in, &how, &options, &out, NULL), PBW_CANCELLED);
+        CHECK(a.watch.calls == calls * k / 4 && out.memory == NULL && m.blocks == 0 && m.faults == 0);
+    }
+    pbw_free(&mesh);
+    free(x);
+    test_end();
+}
+
 /* Setting up gives signs, and counts in the budget: when that is over by then, there is no pass. */
 static void test_budget(void)
 {
@@ -1352,6 +1424,7 @@ int main(int argc, char **argv)
     test_transfer();
     test_refused();
     test_failures();
+    test_questions();
     test_labelled();
     test_blocks();
     test_growth();

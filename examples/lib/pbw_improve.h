@@ -672,7 +672,8 @@ enum {
     PBWIM__RING = 10,                      /* corners of a ring */
     PBWIM__SLICE = 4096,                   /* tetrahedra or points of one range of a loop on all threads */
     PBWIM__OPEN = 8 * PBWIM__MOST,          /* facets of that, at most */
-    PBWIM__SPARE = 2 * PBWIM__RING         /* free slots of a task: no operation of a pass makes more tetrahedra */
+    PBWIM__SPARE = 2 * PBWIM__RING,        /* free slots of a task: no operation of a pass makes more tetrahedra */
+    PBWIM__PROJECTION = 16                 /* sines that take as long as a projection, about */
 };
 #define PBWIM__PASSES 60
 #define PBWIM__GAIN 1e-3                   /* least gain of the least sine for an operation */
@@ -723,6 +724,7 @@ typedef struct pbwim__mesh {
     pbw_improve_report *report;
     double done[2];                        /* of the work, as last reported; when the loop in work has ended */
     double deadline;                       /* the processor time at which it ends with what it has; 0: never */
+    size_t effort;                         /* since the task went on: sines computed, about */
     pbwim__items queue, sorted;
     PBW_ARRAY(struct pbwim__task) tasks;
     pbwsf__pairs place;                    /* of points along two curves; empty before the first large pass */
@@ -1501,7 +1503,7 @@ typedef struct pbwim__cone { int count; pbw_index facet[PBWIM__MOST][3]; } pbwim
 
 /* Returns the least sine of the tetrahedra from the facets to x, or a number not above `least`.  The facet that
    decides is tested first the next time. */
-static double pbwim__cone_sine(const pbwim__mesh *m, pbwim__cone *cone, const double x[3], double least)
+static double pbwim__cone_sine(pbwim__mesh *m, pbwim__cone *cone, const double x[3], double least)
 {
     double worst = 2;
     int i;
@@ -1517,6 +1519,7 @@ static double pbwim__cone_sine(const pbwim__mesh *m, pbwim__cone *cone, const do
             break;
         }
     }
+    m->effort += (size_t)i;
     return worst;
 }
 
@@ -1606,6 +1609,7 @@ static double pbwim__climb(pbwim__mesh *m, pbwim__cone *cone, const double *norm
                     continue;
                 }
                 m->project(m->project_user, place);
+                m->effort += PBWIM__PROJECTION;
             }
             sine = pbwim__cone_sine(m, cone, place, reached);
             if (sine > reached) {
@@ -3324,6 +3328,8 @@ static pbw_status pbwim__smooth_all(pbwim__mesh *m, const pbw_improve_options *h
       the next round, which has other and larger blocks; the last one has all points in one block.
    4. A task is a copy of pbwim__mesh with free slots, free points and counters of its own.  Where these run out, its
       tetrahedra wait, too.  When all tasks of a round have ended, they are merged in order.
+   5. The caller is asked whether to go on while no task runs, so that each pauses after so much work, which is counted
+      in sines: a round is done in legs.
    No task reads what another one changes.  A tetrahedron that a task changes has all corners in the task's block, and
    a task reads only tetrahedra with a corner in its block, and of these only links through facets that have one.  A
    tetrahedron across a facet of a zone has three corners in it: of this tetrahedron, only the link through that facet
@@ -3333,7 +3339,9 @@ static pbw_status pbwim__smooth_all(pbwim__mesh *m, const pbw_improve_options *h
 enum {
     PBWIM__BLOCKS = 256,                   /* at most */
     PBWIM__BLOCK_POINTS = 1024,            /* at least: in smaller blocks most zones have points of others */
-    PBWIM__BLOCK_ITEMS = 16                /* of the queue, a block, at least */
+    PBWIM__BLOCK_ITEMS = 16,               /* of the queue, a block, at least */
+    PBWIM__ITEM_EFFORT = 128,              /* of looking at the rings and the zone of a tetrahedron, in sines */
+    PBWIM__LEG = 200000                    /* effort after which a task pauses: some 20 ms */
 };
 
 typedef struct pbwim__task {
@@ -3342,6 +3350,7 @@ typedef struct pbwim__task {
     size_t point_end;
     pbwim__item *item;                     /* the tetrahedra to improve; in the end, those that wait */
     size_t count, changes;
+    size_t next, waiting;                  /* of `item`: the next to look at; how many before it wait */
     int all, curve;                        /* of places: curve -1 = one block of all points */
     pbw_index first, last;                 /* the block's places: first .. last - 1 */
     size_t turn;                           /* the task that is run in place of this one: the longest come first */
@@ -3625,7 +3634,7 @@ static void pbwim__begin_task(pbwim__mesh *m, pbwim__task *task)
     task->m.spare = spare;
     task->m.points = point;
     task->m.report = &task->report;
-    task->changes = 0;
+    task->changes = task->next = task->waiting = 0;
     memset(&task->report, 0, sizeof task->report);
     while (task->m.spare < slots) {
         pbwim__free_slot(&task->m, pbwim__new_slot(m));
@@ -3652,20 +3661,23 @@ static void pbwim__end_task(pbwim__mesh *m, const pbwim__task *task)
     sum->insertions += r->insertions;
 }
 
-/* Improves the tetrahedra of blocks; those that must wait come first in the task's list, in order. */
+/* Improves the tetrahedra of blocks, for one leg; those that must wait come first in the task's list, in order. */
 static pbw_status pbwim__improve_blocks(void *arg, size_t from, size_t to)
 {
     for (; from < to; from++) {
         pbwim__task *tasks = ((pbwim__mesh *)arg)->tasks.at, *task = tasks + tasks[from].turn;
         pbwim__mesh *m = &task->m;
-        size_t waiting = 0, i;
-        qsort(task->item, task->count, sizeof *task->item, pbwim__compare_items);
-        for (i = 0; i < task->count; i++) {
-            const pbw_index t = task->item[i].t;
+        if (task->next == 0) {
+            qsort(task->item, task->count, sizeof *task->item, pbwim__compare_items);
+        }
+        for (m->effort = 0; task->next < task->count && m->effort < PBWIM__LEG; task->next++) {
+            const pbwim__item item = task->item[task->next];
+            const pbw_index t = item.t;
             int has;
             if (!pbwim__is_bad(m, t)) {
                 continue;
             }
+            m->effort += PBWIM__ITEM_EFFORT;
             has = pbwim__has_corners(task, t);       /* else other threads may touch some of them */
             if (has && !pbwim__is_due(m, t, task->all)) {
                 continue;
@@ -3674,10 +3686,9 @@ static pbw_status pbwim__improve_blocks(void *arg, size_t from, size_t to)
                 && pbwim__has_zone(task, t)) {
                 task->changes += (size_t)pbwim__improve_tet(m, t, task->all);
             } else {
-                task->item[waiting++] = task->item[i];
+                task->item[task->waiting++] = item;
             }
         }
-        task->count = waiting;
     }
     return PBW_OK;
 }
@@ -3753,9 +3764,10 @@ static int pbwim__deal(pbwim__mesh *m, const pbwim__blocks *blocks, int all)
 /* One round: all blocks at once.  What must wait is the queue after it. */
 static pbw_status pbwim__round(pbwim__mesh *m, const pbwim__blocks *blocks, size_t *changes)
 {
-    size_t slots = 0, points = 0, i, k;
+    const double end = m->done[1];
+    size_t slots = 0, points = 0, left = blocks->count, i, k;
     pbwim__task *task = m->tasks.at;
-    pbw_status status;
+    pbw_status status = PBW_OK;
     for (i = 0; i < blocks->count; i++) {
         slots += pbwim__task_slots(task + i);
         points += pbwim__task_points(task + i);
@@ -3774,11 +3786,20 @@ static pbw_status pbwim__round(pbwim__mesh *m, const pbwim__blocks *blocks, size
         }
         task[k].turn = i;
     }
-    status = pbwim__for(m, blocks->count, 1, pbwim__improve_blocks, m);
+    while (left > 0 && status == PBW_OK) {
+        m->done[1] = 0.5 * (m->done[0] + end);
+        status = pbwim__for(m, left, 1, pbwim__improve_blocks, m);
+        m->done[0] = m->done[1];
+        for (i = k = 0; i < left; i++) {
+            task[k].turn = task[i].turn;
+            k += task[task[i].turn].next < task[task[i].turn].count;
+        }
+        left = k;
+    }
     m->queue.count = 0;
     for (i = 0; i < blocks->count && status == PBW_OK; i++) {
-        memcpy(m->queue.at + m->queue.count, task[i].item, task[i].count * sizeof *task[i].item);
-        m->queue.count += task[i].count;
+        memcpy(m->queue.at + m->queue.count, task[i].item, task[i].waiting * sizeof *task[i].item);
+        m->queue.count += task[i].waiting;
         pbwim__end_task(m, task + i);
         *changes += task[i].changes;
     }
