@@ -1,5 +1,6 @@
 /* test_crossings.c: pbw_surface_crossings against a search of all pairs in integers, on many soups of triangles; the
-   same for all threads, coordinates of any magnitude, progress, cancelling, and sound after every failure. */
+   same for all threads, coordinates of any magnitude, progress, cancelling, and sound after every failure; winding
+   numbers by the rim of open surfaces. */
 #define PBW_SURFACE_IMPLEMENTATION
 #include "pbw_surface.h"
 #include "meter.h"
@@ -560,6 +561,61 @@ static void test_threads(void)
     test_end();
 }
 
+/* Winding numbers by the rim of small soups, of corners on a lattice, against sums of all solid angles: rays through
+   corners and edges of the rim, edges of many triangles, triangles with a corner twice; with each allocation failing;
+   a rim that is long is left to dipoles. */
+static void test_rims(void)
+{
+    pbw_options options = { 0 };
+    meter m;
+    long i;
+    if (!test_begin("winding numbers by the rim")) {
+        return;
+    }
+    options.threads = 1;
+    options.resize = meter_resize;
+    options.resize_user = &m;
+    for (i = 0; i < test_count / 5; i++) {
+        const int away = (int)(i % 3), is_long = i % 50 == 0;           /* places: on the lattice, between, anywhere */
+        const size_t points = is_long ? 600 : (size_t)(4 + below(12)), count = is_long ? 200 : (size_t)(1 + below(8));
+        pbw_surface tree;
+        pbw_status status;
+        size_t k, tests = 0;
+        for (k = 0; k < 3 * points; k++) {
+            s.points[k] = (double)below(4);
+        }
+        for (k = 0; k < 3 * count; k++) {
+            s.triangles[k] = is_long ? (pbw_index)k : (pbw_index)below((whole)points);
+        }
+        meter_start(&m, i % 2 == 0 ? 0 : 1 + i / 2 % 15, 0);
+        status = pbw_surface_create(s.points, points, s.triangles, count, &options, &tree);
+        status = status == PBW_OK ? pbwsf__find_rim(&tree, &options) : status;
+        CHECK(status == (m.refused > 0 ? PBW_ERROR_MEMORY : PBW_OK) && (i % 2 == 1 || status == PBW_OK));
+        CHECK(status != PBW_OK || ((const pbwsf__tree *)tree.memory)->has_rim == !is_long);
+        for (k = 0; k < 50 && status == PBW_OK && !is_long; k++) {
+            double p[3], place[3], sum = 0;
+            size_t t;
+            int axis;
+            for (axis = 0; axis < 3; axis++) {
+                p[axis] = away == 2 ? (double)below(1 << 30) / (1 << 28) : (double)below(8) / (1 + away) - (axis == 2);
+            }
+            if (pbw_surface_closest(&tree, p, 1e-6, place) == PBW_NONE) {       /* not on it */
+                for (t = 0; t < count; t++) {
+                    sum += pbwsf__angle(&tree, (pbw_index)t, p);
+                }
+                if (!CHECK(fabs(pbw_surface_winding(&tree, p) - sum) < 1e-9)) {
+                    test_say("soup %ld: %g, and by triangles %g", i, pbw_surface_winding(&tree, p), sum);
+                }
+                tests++;
+            }
+        }
+        CHECK(status != PBW_OK || is_long || tests > 0);
+        pbw_surface_free(&tree);
+        CHECK(m.blocks == 0 && m.faults == 0);
+    }
+    test_end();
+}
+
 static void test_failures(void)
 {
     pbw_surface_faults one, f;
@@ -661,6 +717,7 @@ int main(int argc, char **argv)
     test_nearly();
     test_refusals();
     test_empty();
+    test_rims();
     test_threads();
     test_failures();
     test_crowds();

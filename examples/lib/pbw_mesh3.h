@@ -547,8 +547,9 @@ static int pbwm3__write_list(pbwm3__work *w, pbwm3__listing *l, int room)
 static pbw_status pbwm3__make_surface(pbwm3__work *w, const double *points, size_t point_count,
                                       const pbw_index *triangles, size_t triangle_count, pbw_surface *surface)
 {
-    const pbw_status status = pbw_surface_create(points, point_count, triangles, triangle_count,
-                                                 pbwm3__inner_options(w), surface);
+    pbw_status status = pbw_surface_create(points, point_count, triangles, triangle_count, pbwm3__inner_options(w),
+                                           surface);
+    status = status == PBW_OK && w->open ? pbwsf__find_rim(surface, &w->options) : status;
     w->memory.used += pbwsf__bytes(surface);
     return status;
 }
