@@ -568,17 +568,23 @@ static void pbwim__add_quality(pbw_quality *sum, const pbw_quality *q)
     }
 }
 
-/* Returns the options for a call of the library, without progress: their memory limit is the caller's less the bytes
-   held. */
-static pbw_options pbwim__inner_options(const pbw_options *options, const pbw_memory *memory)
+/* Returns the options for a call of the library: their memory limit is the caller's less the bytes held. */
+static pbw_options pbwim__asking_options(const pbw_options *options, const pbw_memory *memory)
 {
     pbw_options inner;
     memset(&inner, 0, sizeof inner);
     if (options != NULL) {
         inner = *options;
-        inner.progress = NULL;
         inner.memory_limit = pbw_memory_left(memory);
     }
+    return inner;
+}
+
+/* Returns the same without progress. */
+static pbw_options pbwim__inner_options(const pbw_options *options, const pbw_memory *memory)
+{
+    pbw_options inner = pbwim__asking_options(options, memory);
+    inner.progress = NULL;
     return inner;
 }
 
@@ -622,7 +628,8 @@ static int pbwim__find_shares(pbwim__measuring *work, const pbw_options *options
     return done;
 }
 
-PBWDEF int pbw_tets_quality(const pbw_tets *mesh, const pbw_options *options, pbw_quality *quality)
+/* Returns 0 if there is no memory for the shares, or options.progress cancels: nothing is measured then. */
+static int pbwim__measure(const pbw_tets *mesh, const pbw_options *options, pbw_quality *quality)
 {
     const size_t count = mesh->tet_count, blocks = count / PBWIM__BLOCK + (count % PBWIM__BLOCK != 0);
     pbw_memory memory;
@@ -630,6 +637,7 @@ PBWDEF int pbw_tets_quality(const pbw_tets *mesh, const pbw_options *options, pb
     PBW_ARRAY(pbwim__measured) block = { NULL, 0, 0 };
     pbwim__measuring work;
     pbw_options inner;
+    pbw_status status;
     size_t i;
     int kept, done;
     pbw_memory_start(&memory, options);
@@ -641,9 +649,10 @@ PBWDEF int pbw_tets_quality(const pbw_tets *mesh, const pbw_options *options, pb
     work.mesh = mesh;
     work.block = block.at;
     work.least = kept ? least.at : NULL;
-    inner = pbwim__inner_options(options, &memory);
-    done = kept && pbw_for(&inner, blocks, 1, pbwim__measure_range, &work) == PBW_OK;
-    for (i = 0; i < blocks; i++) {
+    inner = pbwim__asking_options(options, &memory);
+    status = kept ? pbw_for(&inner, blocks, 1, pbwim__measure_range, &work) : PBW_ERROR_MEMORY;
+    done = status == PBW_OK;
+    for (i = 0; i < blocks && status != PBW_CANCELLED; i++) {
         pbwim__measured here;
         if (!done) {
             pbwim__measure_block(&work, i, &here);
@@ -656,6 +665,16 @@ PBWDEF int pbw_tets_quality(const pbw_tets *mesh, const pbw_options *options, pb
     PBW_RELEASE(&memory, least);
     PBW_RELEASE(&memory, block);
     return kept && done;
+}
+
+PBWDEF int pbw_tets_quality(const pbw_tets *mesh, const pbw_options *options, pbw_quality *quality)
+{
+    pbw_options plain;
+    if (options != NULL) {
+        plain = *options;
+        plain.progress = NULL;
+    }
+    return pbwim__measure(mesh, options != NULL ? &plain : NULL, quality);
 }
 
 /* ------------------------------------------------------------------------------------------------------
@@ -723,6 +742,7 @@ typedef struct pbwim__mesh {
     int sized, patched;
     pbw_improve_report *report;
     double done[2];                        /* of the work, as last reported; when the loop in work has ended */
+    int cancelled;                         /* 1: a loop was cancelled */
     double deadline;                       /* the processor time at which it ends with what it has; 0: never */
     size_t effort;                         /* since the task went on: sines computed, about */
     pbwim__items queue, sorted;
@@ -812,20 +832,28 @@ static int pbwim__progress(pbwim__mesh *m, double done)
 /* The progress of a loop, from done[0] to done[1] of the work. */
 static int pbwim__pass_on(void *user, pbw_stage stage, double done)
 {
-    const pbwim__mesh *m = (const pbwim__mesh *)user;
+    pbwim__mesh *m = (pbwim__mesh *)user;
     (void)stage;
-    return m->options->progress(m->options->progress_user, PBW_STAGE_WORK,
-                                m->done[0] + done * (m->done[1] - m->done[0]));
+    m->cancelled = m->options->progress(m->options->progress_user, PBW_STAGE_WORK,
+                                        m->done[0] + done * (m->done[1] - m->done[0])) != 0;
+    return m->cancelled;
+}
+
+/* Returns the options for a loop of the call. */
+static pbw_options pbwim__loop_options(pbwim__mesh *m)
+{
+    pbw_options inner = pbwim__asking_options(m->options, &m->memory);
+    if (inner.progress != NULL) {
+        inner.progress = pbwim__pass_on;
+        inner.progress_user = m;
+    }
+    return inner;
 }
 
 /* pbw_for within the call. */
 static pbw_status pbwim__for(pbwim__mesh *m, size_t count, size_t grain, pbw_body *body, void *arg)
 {
-    pbw_options inner = pbwim__inner_options(m->options, &m->memory);
-    if (m->options != NULL && m->options->progress != NULL) {
-        inner.progress = pbwim__pass_on;
-        inner.progress_user = m;
-    }
+    const pbw_options inner = pbwim__loop_options(m);
     return pbw_for(&inner, count, grain, body, arg);
 }
 
@@ -4475,12 +4503,13 @@ static pbw_status pbwim__run(pbwim__mesh *m, const pbw_tets *in, const pbw_impro
     view.points = in->points;
     view.corners = (const pbw_index *)m->corner.at;
     view.tet_count = m->tets;
-    inner = pbwim__inner_options(m->options, &m->memory);
+    inner = pbwim__loop_options(m);
     if (status == PBW_OK && pbwim__progress(m, 0)) {
         return PBW_CANCELLED;
     }
-    (void)pbw_tets_quality(&view, &inner, &m->report->before);
-    status = status != PBW_OK ? status : pbwim__progress(m, 0) ? PBW_CANCELLED : pbwim__passes(m, how);
+    (void)pbwim__measure(&view, &inner, &m->report->before);
+    status = status != PBW_OK ? status : m->cancelled || pbwim__progress(m, 0) ? PBW_CANCELLED
+           : pbwim__passes(m, how);
     status = status != PBW_OK ? status : pbwim__progress(m, m->done[0]) ? PBW_CANCELLED : pbwim__close_gaps(m);
     status = status != PBW_OK ? status : pbwim__progress(m, 1) ? PBW_CANCELLED : pbwim__count_bad(m, &bad);
     m->report->left = bad.count;
@@ -4526,8 +4555,12 @@ PBWDEF pbw_status pbw_improve(const pbw_tets *mesh, const pbw_improve_options *h
                             + report->splits + report->moves == 0) {
         report->after = report->before;
     } else if (status == PBW_OK) {
-        const pbw_options inner = pbwim__inner_options(&shared, &m.memory);
-        (void)pbw_tets_quality(better, &inner, &report->after);
+        const pbw_options inner = pbwim__loop_options(&m);
+        (void)pbwim__measure(better, &inner, &report->after);
+        if (m.cancelled) {
+            pbw_tets_free(better);
+            status = PBW_CANCELLED;
+        }
     }
     pbw_threads_stop(threads);
     return status;

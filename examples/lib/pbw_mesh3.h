@@ -477,12 +477,16 @@ static const pbw_options *pbwm3__inner_options(pbwm3__work *w)
     return &w->options;
 }
 
-/* A loop on all threads, too short for progress.  Returns 0 if there is no memory. */
+/* A loop on all threads.  Returns 0 if there is no memory, or the work must end. */
 static int pbwm3__for(pbwm3__work *w, size_t count, size_t grain, pbw_body *body, void *arg)
 {
-    pbw_options options = *pbwm3__inner_options(w);
-    options.progress = NULL;
-    return pbw_for(&options, count, grain, body, arg) == PBW_OK;
+    return pbw_for(pbwm3__inner_options(w), count, grain, body, arg) == PBW_OK;
+}
+
+/* Returns the status of a stage: what returns 0 without memory does so, too, where the work must end. */
+static pbw_status pbwm3__status_of(const pbwm3__work *w, pbw_status status)
+{
+    return status == PBW_ERROR_MEMORY && pbwm3__has_ended(w) ? PBW_CANCELLED : status;
 }
 
 /* ---- lists that threads make, in order: each item gives some entries, which are counted, then written ---- */
@@ -1039,22 +1043,19 @@ static pbw_status pbwm3__edge_range(void *arg, size_t from, size_t to)
 }
 
 /* Returns edges, sorted: v[0] < v[1], v[2] whether the triangle t has them upwards, i its corner that starts it.
-   NULL: no memory. */
+   NULL: no memory, or the work must end. */
 static pbwim__facet *pbwm3__edges(pbwm3__work *w, const pbw_index *triangles, size_t count, size_t points,
                                   pbwim__sorting *sorting)
 {
     pbwm3__edging edging;
-    pbw_options options;
     memset(sorting, 0, sizeof *sorting);
     if (!pbwim__begin_sorting(&w->memory, sorting, 3 * count, points)) {
         return NULL;
     }
     edging.triangles = triangles;
     edging.edge = sorting->items.at;
-    options = *pbwm3__inner_options(w);
-    options.progress = NULL;
     return pbwm3__for(w, 3 * count, PBWM3__SLICE, pbwm3__edge_range, &edging)
-         ? pbwim__sort(&options, sorting, 3 * count, 2) : NULL;
+         ? pbwim__sort(pbwm3__inner_options(w), sorting, 3 * count, 2) : NULL;
 }
 
 /* Starts union-find trees of single items. */
@@ -1451,7 +1452,6 @@ static int pbwm3__drop_doubles(pbwm3__work *w)
     pbwim__sorting sorting;
     pbwsf__flags gone = { NULL, 0, 0 };
     pbwim__facet *facet;
-    pbw_options options;
     size_t i, kept = 0;
     int good;
     memset(&sorting, 0, sizeof sorting);
@@ -1465,9 +1465,7 @@ static int pbwm3__drop_doubles(pbwm3__work *w)
         facet[i].i = 0;
         gone.at[i] = 0;
     }
-    options = *pbwm3__inner_options(w);
-    options.progress = NULL;
-    facet = good ? pbwim__sort(&options, &sorting, count, 3) : NULL;
+    facet = good ? pbwim__sort(pbwm3__inner_options(w), &sorting, count, 3) : NULL;
     good = facet != NULL;
     for (i = 1; good && i < count; i++) {            /* of equal ones, the first comes first */
         gone.at[facet[i].t] = memcmp(facet[i].v, facet[i - 1].v, sizeof facet[i].v) == 0;
@@ -5893,7 +5891,7 @@ static void pbwm3__halve_size(pbwm3__work *w, const double p[3])
 }
 
 /* Adds points at the places that are too far from the boundary, the farthest first; or halves the sizes there.
-   Returns how many points, -1 without memory. */
+   Returns how many points, -1 without memory or if the call is cancelled. */
 static long pbwm3__add_places(pbwm3__work *w, pbwm3__place_list *places, int halve)
 {
     pbwm3__place *place = places->at;
@@ -5908,9 +5906,10 @@ static long pbwm3__add_places(pbwm3__work *w, pbwm3__place_list *places, int hal
     if (far > 0) {
         qsort(place, far, sizeof *place, pbwm3__compare_places);
     }
-    for (i = 0; i < far && got >= 0; i++) {
+    for (i = 0; i < far && got >= 0 && !w->cancelled; i++) {
         double p[3];
         size_t patch;
+        (void)pbwm3__ends_at(w, i, 64);              /* however late it is, the points of a round are added */
         memcpy(p, place[i].p, sizeof p);
         patch = pbwm3__to_surface(w, p);
         got = pbwm3__add_if_far(w, p, PBWM3__TIP, patch, 0.3, 0.25);
@@ -5919,7 +5918,7 @@ static long pbwm3__add_places(pbwm3__work *w, pbwm3__place_list *places, int hal
             pbwm3__halve_size(w, p);
         }
     }
-    return got < 0 ? -1 : added;
+    return got < 0 || w->cancelled ? -1 : added;
 }
 
 /* Adds points where the surface is far from the boundary, or halves the sizes there; *added: how many points. */
@@ -6053,7 +6052,7 @@ static pbw_status pbwm3__rounds(pbwm3__work *w)
             break;
         }
         w->timed = 1;                                /* until points are added, the mesh is whole */
-        status = pbwm3__list_new_points(w);
+        status = pbwm3__status_of(w, pbwm3__list_new_points(w));
         w->timed = 0;
         if (status == PBW_OK) {
             w->report->rounds++;
@@ -6067,6 +6066,7 @@ static pbw_status pbwm3__rounds(pbwm3__work *w)
                 status = pbwm3__halve_sizes(w, &added);
                 most = w->how.rounds > 0 ? most : PBWM3__MORE_ROUNDS;
             }
+            status = pbwm3__status_of(w, status);
             w->timed = 0;
         }
         if (status == PBW_CANCELLED && !w->cancelled) {      /* late */
@@ -6791,7 +6791,7 @@ static pbw_status pbwm3__measure(pbwm3__work *w, const pbw_tets *out, pbw_solid_
         status = pbwm3__report_boundary(w, out, &arrays.facets);
     }
     if (status == PBW_OK && boundary != NULL) {
-        status = !pbwm3__fill_boundary(w, out, &arrays) ? w->cancelled ? PBW_CANCELLED : PBW_ERROR_MEMORY
+        status = !pbwm3__fill_boundary(w, out, &arrays) ? PBW_ERROR_MEMORY
                : pbwm3__export_boundary(w, &arrays, boundary);
     }
     pbwm3__release_boundary(&w->memory, &arrays);
@@ -7030,7 +7030,7 @@ static pbw_status pbwm3__attempt(const pbwm3__call *call, int whole, int sharp, 
     w->distance = w->how.distance > 0 ? w->how.distance : 0.1;
     w->cosine = cos((w->how.feature_angle > 0 ? w->how.feature_angle : 40) / 57.295779513082321);
     status = pbwm3__begin_stage(w, "sample", 0.1) ? PBW_CANCELLED : pbwm3__take_input(w);
-    status = status != PBW_OK ? status : pbwm3__sample(w);
+    status = pbwm3__status_of(w, status != PBW_OK ? status : pbwm3__sample(w));
     w->timed = 0;
     if (status == PBW_CANCELLED && !w->cancelled) {
         report->refusal = PBW_SOLID_LATE;
@@ -7038,7 +7038,7 @@ static pbw_status pbwm3__attempt(const pbwm3__call *call, int whole, int sharp, 
     report->seconds[0] = pbwm3__lap(&since);
     status = status != PBW_OK ? status : pbwm3__begin_stage(w, "rounds", 0.1) ? PBW_CANCELLED : pbwm3__rounds(w);
     report->seconds[1] = pbwm3__lap(&since);
-    return status;
+    return pbwm3__status_of(w, status);
 }
 
 static size_t pbwm3__faults(const pbw_solid_report *r)
@@ -7103,7 +7103,7 @@ static pbw_status pbwm3__complete(pbwm3__work *w, double done, pbwm3__result *r)
     if (status != PBW_OK) {
         pbwm3__free_result(r);
     }
-    return status;
+    return pbwm3__status_of(w, status);
 }
 
 PBWDEF pbw_status pbw_solid(const pbw_solid_input *input, const pbw_solid_options *how,
