@@ -750,6 +750,67 @@ static void test_thread_counts(void)
     }
 }
 
+/* Numbers in random order, by any number of threads: of two moves of a point the last one counts, two removals are
+   refused and queue nothing. */
+static void test_number_order(void)
+{
+    static const int threads[3] = { 1, 2, 5 };
+    int dim, i;
+    for (dim = 2; dim <= 3; dim++) {
+        if (!test_begin("numbers in any order: %dD", dim)) {
+            continue;
+        }
+        for (i = 0; i < 3; i++) {
+            const size_t count = TEST_SIZE(dim == 2 ? 20000u : 6000u), some = count / 2, size = (size_t)dim;
+            pbw_index *ids = (pbw_index *)zoo_grow(NULL, count * sizeof *ids);
+            double *places;
+            pbw_options options;
+            pbw_live *live;
+            pbw_mesh mesh;
+            model m;
+            size_t k, at;
+            int turn;
+            model_start(&m, dim, 31);
+            CHECK_EQUAL(model_random(&m, UNIFORM, count, 0, &places, &mesh), PBW_OK);
+            memset(&options, 0, sizeof options);
+            options.threads = threads[i];
+            CHECK_EQUAL(pbw_live_create(&mesh, &options, &live), PBW_OK);
+            for (turn = 0; turn < 3; turn++) {       /* 1: some numbers occur twice */
+                CHOOSE_WAY(turn);
+                for (k = 0; k < count; k++) {
+                    at = input_below(&m.state, (uint32_t)k + 1);
+                    ids[k] = ids[at];
+                    ids[at] = (pbw_index)k;
+                }
+                for (k = 0; k < some; k++) {
+                    ids[k] = turn == 1 && k % 100 == 99 ? ids[input_below(&m.state, (uint32_t)k)] : ids[k];
+                    model_point(&m, UNIFORM, m.points + 3 * ids[k]);
+                    memcpy(places + k * size, m.points + 3 * ids[k], size * sizeof(double));
+                }
+                CHECK_EQUAL(pbw_live_move(live, ids, places, some), PBW_OK);
+                CHECK_EQUAL(pbw_live_commit(live, NULL), PBW_OK);
+                CHECK(model_agrees(&m, live));
+            }
+            at = ids[3];
+            ids[3] = ids[some - 5];
+            CHECK_EQUAL(pbw_live_remove(live, ids, some), PBW_ERROR_ARGUMENT);
+            ids[3] = (pbw_index)at;
+            for (k = 0; k < some; k++) {
+                m.lives[ids[k]] = 0;
+            }
+            CHECK_EQUAL(pbw_live_remove(live, ids, some), PBW_OK);
+            CHECK_EQUAL(pbw_live_commit(live, NULL), PBW_OK);
+            CHECK(model_agrees(&m, live));
+            pbw_live_free(live);
+            pbw_free(&mesh);
+            free(places);
+            free(ids);
+            model_free(&m);
+        }
+        test_end();
+    }
+}
+
 /* Points that move, one by one and by several threads, to where others are, were, or will be. */
 static void test_taken_places(void)
 {
@@ -1011,6 +1072,7 @@ int main(int argc, char **argv)
     test_cancel();
     test_from_mesh();
     test_thread_counts();
+    test_number_order();
     test_taken_places();
     test_wrong();
     test_memory();

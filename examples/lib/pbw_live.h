@@ -2643,6 +2643,7 @@ static pbw_status pbwl__verify(pbwl__core *core, size_t most)
 #define PBWL__QUEUED 4u                              /* its number is in the queue */
 #define PBWL__OLD_PLACE 8u                           /* in a commit: it leaves its old place */
 #define PBWL__NEW_PLACE 16u                          /* in a commit: it arrives at a new place */
+#define PBWL__SEEN 32u                               /* while changes are queued: it is the number of one */
 
 #define PBWL__GROW(live, x, needed) PBW__GROW(&(live)->core.kernel, live, x, needed)
 
@@ -2668,6 +2669,7 @@ struct pbw_live {
     double *moved;                                   /* the other coordinates of those in `leaving` */
     size_t edit_capacity, head_capacity, leaving_capacity, arriving_capacity, joining_capacity, moved_capacity;
     size_t edit_count, leaving_count, arriving_count, joining_count, first_edit;
+    size_t joins;                                    /* numbers that arrive at the place of another one */
     size_t saved_vertices, saved_unused, saved_placed;
     pbw__grid saved_grid;
     double saved_height;
@@ -2736,7 +2738,8 @@ typedef struct pbwl__queueing {
     const pbw_index *ids;                            /* NULL: all numbers */
     pbw_index *new_ids;                              /* may be NULL */
     size_t spare;                                    /* numbers that insertions may take again */
-    int fresh, mixed;                                /* mixed: the numbers do not ascend, so some may be equal */
+    int fresh, mixed, twice;                         /* mixed: the numbers do not ascend, so some may be equal;
+                                                        twice: some are */
 } pbwl__queueing;
 
 /* Returns the i-th number. */
@@ -2780,17 +2783,21 @@ static pbw_status pbwl__queue_check(void *arg, size_t from, size_t to)
     return PBW__BY_DIM(queueing->live->dim, pbwl__queue_check_of, queueing, from, to);
 }
 
-/* Returns whether a number occurs twice. */
-static int pbwl__occurs_twice(pbw_live *live, const pbw_index *ids, size_t count)
+/* Marks the numbers of a range as seen; notes whether one was seen before. */
+static pbw_status pbwl__queue_mark(void *arg, size_t from, size_t to)
 {
-    size_t i, j;
-    for (i = 0; i < count && (live->state[ids[i]] & PBWL__KEPT) != 0; i++) {
-        live->state[ids[i]] &= (unsigned char)~PBWL__KEPT;
+    pbwl__queueing *queueing = (pbwl__queueing *)arg;
+    unsigned char *state = queueing->live->state;
+    for (; from < to && !PBW__LOAD(&queueing->twice); from++) {
+        unsigned char *at = state + queueing->ids[from], old = PBW__LOAD(at);
+        PBW__PREFETCH_TO_WRITE(state + queueing->ids[from + 16 < to ? from + 16 : from]);
+        while ((old & PBWL__SEEN) == 0 && !PBW__CAS(at, &old, (unsigned char)(old | PBWL__SEEN))) {
+        }
+        if ((old & PBWL__SEEN) != 0) {
+            PBW__STORE(&queueing->twice, 1);
+        }
     }
-    for (j = 0; j < i; j++) {
-        live->state[ids[j]] |= PBWL__KEPT;
-    }
-    return i < count;
+    return PBW_OK;
 }
 
 /* Queues a range, and lists the numbers that are new in the queue. */
@@ -2814,7 +2821,7 @@ PBW__INLINE size_t pbwl__queue_range_of(const pbwl__queueing *queueing, size_t f
             if ((state & PBWL__QUEUED) == 0) {
                 live->queue[live->queue_count + at + found] = (pbw_index)id;
             }
-            live->state[id] = (unsigned char)((state & ~PBWL__KEPT) | kept | PBWL__QUEUED);
+            live->state[id] = (unsigned char)((state & ~(PBWL__KEPT | PBWL__SEEN)) | kept | PBWL__QUEUED);
         }
         if (at != PBWL__COUNT && queueing->fresh) {
             live->weight[id] = queueing->weights != NULL ? queueing->weights[i] + 0.0 : 0.0;
@@ -2839,19 +2846,25 @@ static pbw_status pbwl__queue(pbwl__queueing *queueing, size_t count, size_t num
     pbw_live *live = queueing->live;
     pbw__context context;
     pbw_status status = pbwl__reserve(live, numbers, live->queue_count + count);
+    size_t i;
     if (status != PBW_OK) {
         return status;
     }
-    pbw__context_start(&context, &live->options, count / 2);         /* a thread has little to do */
+    pbw__context_start(&context, &live->options, count);
     context.options.progress = NULL;
     context.memory = live->memory;
     status = pbw__for_range(&context, count, PBW__SMALLER(4096), 0.0, pbwl__queue_check, queueing);
-    if (status == PBW_OK && queueing->mixed && queueing->points == NULL
-        && pbwl__occurs_twice(live, queueing->ids, count)) {
+    if (status == PBW_OK && queueing->mixed && (queueing->points == NULL || context.threads > 1)) {
+        (void)pbw__for_range(&context, count, PBW__SMALLER(4096), 0.0, pbwl__queue_mark, queueing);
+    }
+    if (queueing->twice && queueing->points == NULL) {
+        for (i = 0; i < count; i++) {
+            live->state[queueing->ids[i]] &= (unsigned char)~PBWL__SEEN;
+        }
         status = PBW_ERROR_ARGUMENT;
     }
-    if (status == PBW_OK) {
-        live->queue_count += queueing->mixed ? pbwl__queue_range(queueing, 0, count, 0)
+    if (status == PBW_OK) {                          /* of equal numbers the last point stays */
+        live->queue_count += queueing->twice ? pbwl__queue_range(queueing, 0, count, 0)
                                              : pbwl__list(&context, count, pbwl__queue_range, queueing);
     }
     pbw__team_stop(&context);
@@ -2862,7 +2875,7 @@ static pbw_status pbwl__queue(pbwl__queueing *queueing, size_t count, size_t num
 PBWDEF pbw_status pbw_live_insert(pbw_live *live, const double *points, const double *weights, size_t count,
                                   pbw_index *ids)
 {
-    pbwl__queueing queueing = { NULL, NULL, NULL, NULL, NULL, 0, 1, 0 };
+    pbwl__queueing queueing = { NULL, NULL, NULL, NULL, NULL, 0, 1, 0, 0 };
     size_t numbers;
     pbw_status status;
     if (live == NULL || (points == NULL && count != 0)) {
@@ -2888,7 +2901,7 @@ PBWDEF pbw_status pbw_live_insert(pbw_live *live, const double *points, const do
 
 PBWDEF pbw_status pbw_live_remove(pbw_live *live, const pbw_index *ids, size_t count)
 {
-    pbwl__queueing queueing = { NULL, NULL, NULL, NULL, NULL, 0, 0, 0 };
+    pbwl__queueing queueing = { NULL, NULL, NULL, NULL, NULL, 0, 0, 0, 0 };
     if (live == NULL || (ids == NULL && count != 0) || count > live->count) {
         return PBW_ERROR_ARGUMENT;
     }
@@ -2899,7 +2912,7 @@ PBWDEF pbw_status pbw_live_remove(pbw_live *live, const pbw_index *ids, size_t c
 
 PBWDEF pbw_status pbw_live_move(pbw_live *live, const pbw_index *ids, const double *points, size_t count)
 {
-    pbwl__queueing queueing = { NULL, NULL, NULL, NULL, NULL, 0, 0, 0 };
+    pbwl__queueing queueing = { NULL, NULL, NULL, NULL, NULL, 0, 0, 0, 0 };
     if (live == NULL || (points == NULL && count != 0) || (ids == NULL && count != live->count)) {
         return PBW_ERROR_ARGUMENT;
     }
@@ -3772,7 +3785,7 @@ static pbw_status pbwl__batch_all(pbwl__core *core, pbwl__changing *batch, int a
     batch->parts = pbwl__batch_parts(core, batch->round_count, again ? PBWL__LEAST_LEFT : PBWL__LEAST_CHANGES);
     batch->owner = batch->parts > 1 ? (uint8_t *)pbw__allocate(&kernel->context->memory, vertices, 1) : NULL;
     if (batch->owner != NULL) {
-        memset(batch->owner, PBW__NOBODY, vertices);
+        pbwl__set_bytes(kernel->context, batch->owner, PBW__NOBODY, vertices);
     } else if (batch->parts > 1) {
         return PBW_ERROR_MEMORY;
     }
@@ -4241,6 +4254,7 @@ static pbw_status pbwl__arrive_enter(void *arg, size_t from, size_t to)
         PBW__PREFETCH_TO_WRITE(core->twin + soon);
         if (at == PBW_NONE) {
             live->arriving[i] = 0;
+            (void)PBW__ADD(&live->joins, 1);
             continue;
         }
         edit[3 * i] = pbwl__edit_of(PBWL__EDIT_PLACE, at, 0);
@@ -4273,8 +4287,8 @@ static pbw_status pbwl__batch_arrive(pbw_live *live)
     pbw__context *context = core->kernel.context;
     const size_t count = live->joining_count, used = count < live->saved_unused ? count : live->saved_unused;
     pbw_status status;
-    size_t i, joins;
-    live->joining_count = 0;
+    size_t i;
+    live->joining_count = live->joins = 0;
     if (!pbwl__edits(live, 3 * count)) {
         return PBW_ERROR_MEMORY;
     }
@@ -4285,13 +4299,16 @@ static pbw_status pbwl__batch_arrive(pbw_live *live)
     status = pbw__for_range(context, count, PBW__SMALLER(2048), 0.0, pbwl__arrive_make, live);
     status = status == PBW_OK ? pbw__for_range(context, count, PBW__SMALLER(2048), 0.0, pbwl__arrive_enter, live)
                               : status;
-    for (i = joins = 0; i < count && status == PBW_OK; i++) {
+    if (status == PBW_OK && live->joins == 0) {
+        live->arriving_count = count;
+        return PBW_OK;
+    }
+    for (i = 0; i < count && status == PBW_OK; i++) {
         if (live->arriving[i] == 0) {
             core->incident[pbwl__arrive_vertex(live, i)] = PBWL__VERTEX_REMOVED;
-            joins++;
         }
     }
-    status = status == PBW_OK && !pbwl__vertex_reserve(core, joins) ? PBW_ERROR_MEMORY : status;
+    status = status == PBW_OK && !pbwl__vertex_reserve(core, live->joins) ? PBW_ERROR_MEMORY : status;
     for (i = 0; i < count && status == PBW_OK; i++) {
         if (live->arriving[i] != 0) {
             live->arriving[live->arriving_count++] = live->arriving[i];
@@ -4354,6 +4371,11 @@ static pbw_status pbwl__batch_plan(pbw_live *live, int duplicates)
         }
     }
     status = pbwl__batch_arrive(live);
+    if (status == PBW_OK && core->link_vertices == alone && live->joins == 0) {      /* all of them leave */
+        memcpy(live->leaving, core->link_vertex, alone * sizeof(pbw_index));
+        live->leaving_count = alone;
+        return PBW_OK;
+    }
     for (i = 0; i < core->link_vertices; i++) {
         shared += live->head[i] != PBW_NONE;
     }
@@ -4377,6 +4399,7 @@ static pbw_status pbwl__fit_range(void *arg, size_t from, size_t to)
     int k;
     for (; from < to && !PBW__LOAD(&fitting->beyond); from++) {
         const double *x = pbwl__core_record(core, fitting->list[from]);
+        PBW__PREFETCH(pbwl__core_record(core, fitting->list[from + 16 < to ? from + 16 : from]));
         for (k = 0; k <= dim; k++) {
             const double units = x[k] * (k < dim ? unit : unit * unit);
             if (!(x[k] >= core->low[k] && x[k] <= core->high[k]
@@ -4396,7 +4419,7 @@ static pbw_status pbwl__fit_grid(pbw_live *live, const pbw_index *list, size_t c
     pbwl__fitting fitting = { live, list, 0 };
     pbw_status status = PBW_OK;
     if (core->grid.inverse_unit != 0.0) {
-        status = pbw__for_range(core->kernel.context, count, 8192, 0.0, pbwl__fit_range, &fitting);
+        status = pbw__for_range(core->kernel.context, count, PBW__SMALLER(1024), 0.0, pbwl__fit_range, &fitting);
         if (fitting.beyond) {
             memset(&core->grid, 0, sizeof(core->grid));
             core->kernel.exact_height = 0.0;
