@@ -9145,7 +9145,7 @@ PBWDEF pbw_status pbw_order(int dim, const double *points, size_t count, const p
      PBW__INLINE PBW__NOINLINE                                                          check query live platform
      pbw__fp pbw__fp_enter pbw__fp_is_exact pbw__fp_leave                               live             platform
      PBW__ADD PBW__CAS                                                                  query live       platform
-     PBW__PREFETCH_TO_WRITE PBW__STORE PBW__STORE_RELEASE                               live             platform
+     PBW__PREFETCH_TO_WRITE PBW__STORE PBW__STORE_RELEASE PBW__THREADS                  live             platform
      pbw__max_abs pbw__square_root                                                      query            platform
      pbw__abs PBW__AVX2 PBW__BY_DIM pbw__hash_entry PBW__LIKELY PBW__LOAD pbw__max      query live       platform
      PBW__PREFETCH PBW__SIMD pbw__squared PBW__UNLIKELY                                 query live       platform

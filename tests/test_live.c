@@ -7,6 +7,10 @@
 #include "meter.h"
 #include "test.h"
 #include <math.h>
+#if defined(__unix__) || defined(__APPLE__)
+#include <sys/wait.h>
+#include <unistd.h>
+#endif
 
 #ifndef CHOOSE_WAY                                      /* see test_live_local.c */
 #define CHOOSE_WAY(turn) ((void)(turn))
@@ -811,6 +815,46 @@ static void test_number_order(void)
     }
 }
 
+/* A process that forks keeps its threads, and the fork starts its own. */
+static void test_fork(void)
+{
+#if (defined(__unix__) || defined(__APPLE__)) && !TEST_WATCHES_THREADS
+    pbw_options options;
+    pbw_live *live;
+    pbw_mesh mesh;
+    double *points;
+    pid_t child;
+    model m;
+    int i, status = 0;
+    if (!test_begin("a fork")) {
+        return;
+    }
+    model_start(&m, 2, 41);
+    CHECK_EQUAL(model_random(&m, UNIFORM, 20000, 0, &points, &mesh), PBW_OK);
+    memset(&options, 0, sizeof options);
+    options.threads = 3;
+    CHECK_EQUAL(pbw_live_create(&mesh, &options, &live), PBW_OK);
+    child = fork();
+    if (child == 0) {
+        (void)alarm(100);                            /* that waits for threads of its parent, in vain */
+    }
+    for (i = 0; i < 200; i++) {
+        (void)model_change(&m, live, UNIFORM, i % 4);
+    }
+    CHECK_EQUAL(pbw_live_commit(live, NULL), PBW_OK);
+    CHECK(model_agrees(&m, live));
+    pbw_live_free(live);
+    pbw_free(&mesh);
+    free(points);
+    model_free(&m);
+    if (child == 0) {
+        _exit(test_faults != 0);
+    }
+    CHECK(child > 0 && waitpid(child, &status, 0) == child && status == 0);
+    test_end();
+#endif
+}
+
 /* Points that move, one by one and by several threads, to where others are, were, or will be. */
 static void test_taken_places(void)
 {
@@ -1073,6 +1117,7 @@ int main(int argc, char **argv)
     test_from_mesh();
     test_thread_counts();
     test_number_order();
+    test_fork();
     test_taken_places();
     test_wrong();
     test_memory();

@@ -82,7 +82,8 @@ extern "C" {
 /* ---- a triangulation that lives: points are inserted, removed and moved, in batches.  One thread at a time may use
    a pbw_live; the meshes that it gives are the caller's, as those of pbw_triangulate, and queries work on them.
    Points have numbers that stay theirs: those of the mesh it was made from, then those that pbw_live_insert gives.
-   The number of a removed point is given again, to an insertion after the commit that removed it. */
+   The number of a removed point is given again, to an insertion after the commit that removed it.
+   Its threads sleep between calls, until pbw_live_free; several share threads by options of pbw_threads_start. */
 typedef struct pbw_live pbw_live;
 
 typedef enum pbw_way {                     /* how a commit was carried out, which may depend on the threads; the
@@ -2654,6 +2655,9 @@ enum { PBWL__EDIT_VERTEX, PBWL__EDIT_TWIN, PBWL__EDIT_PLACE };
 struct pbw_live {
     pbw_memory memory;
     pbw_options options;
+    pbw_threads *team;                               /* NULL: not started */
+    size_t team_points;                              /* it has threads for so many */
+    long process;                                    /* that started it */
     int dim, weighted, weighted_before;              /* weighted: from the next commit on; before: at the last one */
     double *point, *weight;                          /* per number */
     unsigned char *state;
@@ -2674,6 +2678,46 @@ struct pbw_live {
     pbw__grid saved_grid;
     double saved_height;
 };
+
+/* ---- threads, kept from call to call */
+#if defined(PBW__THREADS) && !defined(_WIN32)
+#define PBWL__PROCESS() ((long)getpid())
+#else
+#define PBWL__PROCESS() 0L
+#endif
+
+static void pbwl__team_stop(pbw_live *live)
+{
+#ifdef PBW__THREADS
+    if (live->team != NULL && live->process != PBWL__PROCESS()) {    /* a fork has the memory but not the threads */
+        pbw_memory memory = live->team->memory;
+        pbw__release(&memory, live->team, 1, sizeof(pbw_threads));
+        live->team = NULL;
+    }
+#endif
+    pbw_threads_stop(live->team);
+    live->team = NULL;
+}
+
+/* Begins a call on `count` points, but for its memory. */
+static void pbwl__context_start(pbw_live *live, pbw__context *context, size_t count)
+{
+    pbw__context_start(context, &live->options, count);
+#ifdef PBW__THREADS
+    if (context->threads > 1 && context->options.run == NULL && context->team == NULL) {
+        const size_t points = count > live->count ? count : live->count;
+        if (live->team == NULL || live->process != PBWL__PROCESS() || live->team_points < points) {
+            pbw_options options = live->options, inner;
+            pbwl__team_stop(live);
+            pbw_memory_nest(&live->memory, &options);
+            live->team_points = 2 * points;
+            live->process = PBWL__PROCESS();
+            live->team = pbw_threads_start(&options, live->team_points, &inner);
+        }
+        context->team = live->team;                  /* if NULL, the call starts one of its own */
+    }
+#endif
+}
 
 /* ---- the queue */
 PBW__INLINE const double *pbwl__point(const pbw_live *live, size_t id)
@@ -2850,7 +2894,7 @@ static pbw_status pbwl__queue(pbwl__queueing *queueing, size_t count, size_t num
     if (status != PBW_OK) {
         return status;
     }
-    pbw__context_start(&context, &live->options, count);
+    pbwl__context_start(live, &context, count);
     context.options.progress = NULL;
     context.memory = live->memory;
     status = pbw__for_range(&context, count, PBW__SMALLER(4096), 0.0, pbwl__queue_check, queueing);
@@ -5257,7 +5301,7 @@ static pbw_status pbwl__run(pbw_live *live, const pbw_mesh *mesh, pbw_changes *c
     pbw__context context;
     pbw_status status;
     pbw__fp fp = pbw__fp_enter();
-    pbw__context_start(&context, &live->options, mesh != NULL ? mesh->point_count
+    pbwl__context_start(live, &context, mesh != NULL ? mesh->point_count
                        : live->queue_count > live->count / 16 ? live->count        /* a change is worth 16 points */
                        : 16 * live->queue_count);
     context.memory = live->memory;
@@ -5294,6 +5338,7 @@ PBWDEF void pbw_live_free(pbw_live *live)
         pbw__context context;
         pbw_memory *memory = &context.memory;
         memset(&context, 0, sizeof(context));
+        pbwl__team_stop(live);
         context.memory = live->memory;
         pbwl__core_free(&context, &live->core);
         PBW__RELEASE(memory, live, point);
@@ -5626,7 +5671,7 @@ PBWDEF pbw_status pbw_live_view(pbw_live *live, pbw_mesh *mesh)
         return PBW_ERROR_ARGUMENT;
     }
     fp = pbw__fp_enter();
-    pbw__context_start(&context, &live->options, live->points);
+    pbwl__context_start(live, &context, live->points);
     context.memory.used = live->memory.used;         /* the limit covers what `live` holds */
     live->core.kernel.context = &context;
     status = pbw__fp_is_exact() ? pbwl__view(live, &context, mesh) : PBW_ERROR_FP_MODE;
