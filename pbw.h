@@ -384,9 +384,10 @@ PBWDEF int pbw_power3(const double a[3], const double b[3], const double c[3], c
 typedef pbw_status pbw_body(void *arg, size_t from, size_t to);
 PBWDEF pbw_status pbw_for(const pbw_options *options, size_t count, size_t grain, pbw_body *body, void *arg);
 
-/* Starts threads for calls on about `count` points.  *inner becomes *options (NULL: all zero), and calls with it or a
-   copy of it, one at a time, run on these threads.  inner may be options.  Returns NULL where there are none to
-   start, where memory is short and where options.run is set: calls with *inner then do as with *options.
+/* Starts threads for calls on about `count` points.  *inner becomes *options (NULL: all zero), with the number of
+   threads that could be had, and calls with it or a copy of it run on these: one at a time, none inside of another's
+   tasks, none in a child of fork.  inner may be options.  Returns NULL where there are none to start, where memory is
+   short and where options.run is set: calls with *inner then do as with *options.
    stop: ends the threads, after the last call with *inner; fine on NULL. */
 typedef struct pbw_threads pbw_threads;
 PBWDEF pbw_threads *pbw_threads_start(const pbw_options *options, size_t count, pbw_options *inner);
@@ -1993,11 +1994,7 @@ PBWDEF pbw_threads *pbw_threads_start(const pbw_options *options, size_t count, 
 {
     pbw__context context;
     pbw__context_start(&context, options, count);
-    if (options == NULL) {
-        memset(inner, 0, sizeof(*inner));
-    } else {
-        *inner = *options;
-    }
+    *inner = options == NULL ? context.options : *options;
 #ifdef PBW__THREADS
     if (context.threads > 1 && inner->threads >= 0 && inner->threads <= 256 && inner->run == NULL) {
         pbw__team_start(&context);
@@ -2005,6 +2002,7 @@ PBWDEF pbw_threads *pbw_threads_start(const pbw_options *options, size_t count, 
     if (context.team != NULL && inner->run == NULL) {
         context.team->memory = context.memory;
         context.team->shared = 1;
+        inner->threads = context.threads;
         inner->memory_limit = pbw_memory_left(&context.memory);
         inner->run = pbw__run_shared;
         inner->run_user = context.team;

@@ -232,10 +232,10 @@ static void test_shared_threads(size_t count)
             five.resize = meter_resize;
             five.resize_user = &m;
             five.memory_limit = (size_t)1 << 30;
-            for (lack = 0; lack < 3; lack++) {       /* of nothing, of memory, of threads */
+            for (lack = 0; lack < 4; lack++) {       /* of nothing, of memory, of all threads, of two of them */
                 pbw_threads *threads, *others;
                 meter_start(&m, lack == 1, 0);
-                threads_allowed = lack == 2 ? 0 : -1;
+                threads_allowed = lack == 2 ? 0 : lack == 3 ? 2 : -1;
                 threads = pbw_threads_start(&five, count, &inner);
                 CHECK((threads != NULL) == (lack != 1));
                 CHECK(inner.memory_limit > 0 && (inner.memory_limit < five.memory_limit) == (lack != 1));
@@ -251,7 +251,7 @@ static void test_shared_threads(size_t count)
                 others = pbw_threads_start(&again, count, &again);
                 CHECK((others == NULL && again.run == inner.run) == (lack != 1));
                 CHECK_EQUAL(pbw_triangulate(dim, p.x, p.w, count, &again, &mesh), PBW_OK);
-                CHECK(meshes_equal(&mesh, &right) && mesh.statistics.threads == 5);
+                CHECK(meshes_equal(&mesh, &right) && mesh.statistics.threads == (lack == 2 ? 1 : lack == 3 ? 3 : 5));
                 pbw_free(&mesh);
                 pbw_threads_stop(others);
                 pbw_threads_stop(threads);

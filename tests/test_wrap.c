@@ -664,16 +664,21 @@ static uint64_t hash_of(uint64_t hash, const void *at, size_t bytes)
     return hash;
 }
 
+static uint64_t hash_result(const pbw_wrap_result *w)
+{
+    uint64_t hash = hash_of(1, w->points, 24 * w->point_count);
+    hash = hash_of(hash, w->facets, 12 * w->facet_count);
+    hash = hash_of(hash, w->elements, 4 * w->facet_count);
+    hash = hash_of(hash, w->corners, 16 * w->tet_count);
+    return hash_of(hash, w->neighbors, 16 * w->tet_count);
+}
+
 static uint64_t hash_wrap(const pbw_wrap_input *in, const pbw_wrap_options *how, const pbw_options *options)
 {
     pbw_wrap_result w;
-    uint64_t hash = 1;
+    uint64_t hash;
     CHECK_EQUAL(pbw_wrap(in, how, options, &w, NULL), PBW_OK);
-    hash = hash_of(hash, w.points, 24 * w.point_count);
-    hash = hash_of(hash, w.facets, 12 * w.facet_count);
-    hash = hash_of(hash, w.elements, 4 * w.facet_count);
-    hash = hash_of(hash, w.corners, 16 * w.tet_count);
-    hash = hash_of(hash, w.neighbors, 16 * w.tet_count);
+    hash = hash_result(&w);
     pbw_wrap_free(&w);
     return hash;
 }
@@ -786,6 +791,49 @@ static void fail_everywhere(void)
         CHECK_EQUAL(pbw_wrap(&s.in, &s.how, &options, &w, NULL), PBW_CANCELLED);
         CHECK(eye.calls == i && m.blocks == 0);
     }
+}
+
+/* The same on eight threads, whose allocations come in any order, and which do without some. */
+static void fail_on_threads(void)
+{
+    static shape s;
+    pbw_wrap_options how;
+    pbw_wrap_result w;
+    pbw_options options;
+    meter m;
+    watch eye;
+    uint64_t hash;
+    long requests, i, ended = 0;
+    size_t peak;
+    memset(&s, 0, sizeof s);
+    memset(&how, 0, sizeof how);
+    memset(&options, 0, sizeof options);
+    add_sphere(&s, 1, 0.7);
+    how.alpha = 0.3;
+    options.threads = 8;
+    options.resize = meter_resize;
+    options.resize_user = &m;
+    options.progress = watch_progress;
+    options.progress_user = &eye;
+    meter_start(&m, 0, 0);
+    watch_start(&eye, 0);
+    hash = hash_wrap(&s.in, &how, &options);
+    requests = m.requests;
+    peak = m.peak;
+    for (i = 0; i < 90; i++) {                           /* an allocation, the limit, an answer */
+        pbw_status status;
+        meter_start(&m, i % 3 == 0 ? 1 + i * requests / 90 : 0, (int)(i % 2));
+        watch_start(&eye, i % 3 == 2 ? 1 + i : 0);
+        options.memory_limit = i % 3 == 1 ? peak * (size_t)i / 90 : 0;
+        status = pbw_wrap(&s.in, &how, &options, &w, NULL);
+        CHECK(status == PBW_OK || status == (i % 3 == 2 ? PBW_CANCELLED : PBW_ERROR_MEMORY));
+        CHECK(status == PBW_OK ? hash_result(&w) == hash : w.memory == NULL && m.blocks == 0);
+        CHECK(i % 3 != 1 || m.peak <= options.memory_limit);
+        pbw_wrap_free(&w);
+        CHECK(m.blocks == 0 && m.faults == 0);
+        ended += status != PBW_OK;
+    }
+    CHECK(ended > 60);
 }
 
 /* pbw_wrap_solid: the same mesh for every number of threads; it fails at any allocation, at every memory limit below
@@ -905,7 +953,7 @@ int main(int argc, char **argv)
         { "solids: the time is over", fill_late }, { "solids: failures", fail_solids },
         { "alpha by place", wrap_by_place }, { "nearest elements", find_elements }, { "vertices inside", fill },
         { "refusals", refuse }, { "wrong arguments", refuse_wrong }, { "threads", run_threads },
-        { "memory and cancelling", fail_everywhere },
+        { "memory and cancelling", fail_everywhere }, { "memory and cancelling on eight threads", fail_on_threads },
         { "questions while it numbers", ask_often },
         { "faults are seen", see_faults }
     };
