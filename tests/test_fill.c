@@ -277,9 +277,9 @@ static const char *fault_of(const pbw_fill_input *in, const result_copy *f, int 
 
 typedef struct surface { double x[40000][3]; pbw_index t[60000][3]; size_t points, triangles; } surface;
 static surface big;                                  /* for all tests, one after the other */
-static int off_grid;                                 /* coordinates are finer than the grid, so added points round */
+static int full_bits;                                /* of coordinates: points that stay on edges round */
 
-/* Rounds a coordinate to 2^-20, so that boxes of a few units are on the grid. */
+/* Rounds a coordinate to 2^-20, so that points on edges are at doubles. */
 static double rounded(double x)
 {
     return floor(ldexp(x, 20) + 0.5) * ldexp(1, -20);
@@ -422,7 +422,7 @@ static size_t fill_and_check(const pbw_fill_input *in, const pbw_fill_options *h
         result_copy c = copy_of(&f);
         const int exact = how == NULL || !how->conforming;
         const char *wrong = how != NULL && how->outside ? check_tets(in, &c)
-                          : fault_of(in, &c, exact ? 0 : off_grid ? 2 : !how->split_flat, volume);
+                          : fault_of(in, &c, exact ? 0 : full_bits ? 2 : !how->split_flat, volume);
         wrong = wrong == NULL && exact ? check_exact(in, &c, in->triangle_count - report.doubles - report.collapsed)
               : wrong;
         CHECK_EQUAL(report.refusal, PBW_FILL_FILLED);
@@ -531,21 +531,21 @@ static double volume_at(const pbw_filled *f, size_t tet)
     return volume_of(p + 3 * (size_t)c[0], p + 3 * (size_t)c[1], p + 3 * (size_t)c[2], p + 3 * (size_t)c[3]);
 }
 
-/* Points off the grid are where the input has them (the checker demands that), in turned parts, with their many flat
+/* Points with all bits are where the input has them (the checker demands that), in turned parts, with their many flat
    quadrilaterals, too. */
-static void test_off_grid(void)
+static void test_full_bits(void)
 {
     static const double centre[3] = { 0, 0, 0 };
     static part m;
     uint64_t key = 0;
     size_t i, k;
-    off_grid = 1;
+    full_bits = 1;
     for (k = 0; k < 3; k++) {
         pbw_fill_options how;
         memset(&how, 0, sizeof how);
         how.conforming = k > 0;
         how.split_flat = k > 1;
-        if (test_begin("off the grid, mode %zu", k)) {
+        if (test_begin("coordinates with all bits, mode %zu", k)) {
             for (i = 0; i < PART_COUNT; i++) {
                 pbw_fill_input in;
                 (void)part_make(i, 1, &m);
@@ -566,7 +566,7 @@ static void test_off_grid(void)
             test_end();
         }
     }
-    off_grid = 0;
+    full_bits = 0;
 }
 
 /* Lets the allocations fail, all of the first few, then some.  Returns the most memory that the fill takes. */
@@ -594,14 +594,14 @@ static size_t fail_allocations(const pbw_fill_input *in, const pbw_fill_options 
     return peak;
 }
 
-/* Parts that are small in a box, with no points on a common grid: nothing moves. */
+/* Parts that are small in a box: nothing moves. */
 static void test_wide_boxes(void)
 {
     static const struct { size_t part; double wide; int conforming; } cases[4] = {
         { PART_HOLE, 1e5, 1 }, { PART_HOLE, 1e5, 0 }, { PART_GEAR, 2e7, 1 }, { PART_GEAR, 2e7, 0 }
     };
     size_t i, k;
-    off_grid = 1;
+    full_bits = 1;
     for (i = 0; i < 4; i++) {
         if (test_begin("turned parts in wide boxes, %zu", i)) {
             static part m;
@@ -627,7 +627,7 @@ static void test_wide_boxes(void)
             test_end();
         }
     }
-    off_grid = 0;
+    full_bits = 0;
 }
 
 /* Appends the part, its coordinates rounded to 2^-14, with that scale and place. */
@@ -650,7 +650,7 @@ static void add_part(size_t number, double scale, double place)
     }
 }
 
-/* Details below the coarsest grid: filled exactly, and refused only where no doubles are on edges. */
+/* Details that are small in a box, down to single doubles: filled exactly. */
 static void test_fine(void)
 {
     pbw_fill_options how;
@@ -737,7 +737,7 @@ static void test_no_doubles(void)
         (void)fail_allocations(&in, NULL, 40);
         test_end();
     }
-    off_grid = 1;
+    full_bits = 1;
     for (how.conforming = 0; how.conforming < 2; how.conforming++) {
         if (test_begin("gaps of some doubles, %s", how.conforming ? "conforming" : "exact")) {
             for (i = 0; i < PART_COUNT; i++) {
@@ -752,7 +752,7 @@ static void test_no_doubles(void)
             test_end();
         }
     }
-    off_grid = 0;
+    full_bits = 0;
 }
 
 static void test_improvement(void)
@@ -1222,7 +1222,7 @@ static void test_refusals(void)
         expect(&in, PBW_DEGENERATE, PBW_FILL_CROSSING);
         big.points = big.triangles = 0;
         add_box(-1, 1), add_box(-2, 2);
-        big.x[0][0] = -1 - ldexp(1, -40);            /* by less than the grid has */
+        big.x[0][0] = -1 - ldexp(1, -40);            /* not by much */
         big.x[8][0] = -1, big.x[8][1] = -1, big.x[8][2] = -1;
         in = input_of_big();
         expect(&in, PBW_DEGENERATE, PBW_FILL_CROSSING);
@@ -1358,7 +1358,7 @@ int main(int argc, char **argv)
     test_all_parts();
     test_few_points();
     test_stars();
-    test_off_grid();
+    test_full_bits();
     test_wide_boxes();
     test_fine();
     test_no_doubles();

@@ -209,9 +209,10 @@ PBW_CONTRACTION_OFF                        /* fused operations would give other 
 
 /* ------------------------------------------------------------------------------------------------------
    >>work         The work in progress: tetrahedra and their links, progress, a hash table.
-   Holds: tetrahedra in use are positive, but for those of no region in and after >>exact, and links of both sides
-   agree; those not in use have the corner PBW_NONE and are in `unused`.  Vertices are the input's points, eight
-   corners of the box, then points that were added; at[v] is a tetrahedron of v, PBW_NONE for duplicates.
+   Holds: tetrahedra in use are positive, but for those of no region from >>exact on, and some in >>places; links of
+   both sides agree; those not in use have the corner PBW_NONE and are in `unused`.  Vertices are the input's points,
+   eight corners of the box, then points that were added; at[v] is a tetrahedron of v, PBW_NONE for duplicates and
+   those that were taken off.
    ------------------------------------------------------------------------------------------------------ */
 enum { PBWFILL__STEPS = 22,                /* places on a segment are multiples of 2^-22 of it */
        PBWFILL__PLACE = 4,                 /* numbers of a place: coordinates, and the number of its rest; 0 = none */
@@ -272,8 +273,7 @@ typedef struct pbwfill__work {
     clock_t since;
     int exponent;                          /* coordinates are those of the input times 2^-exponent */
     int has_rests;                         /* places may have rests: no coordinate is too small for them */
-    double reach, slack;                   /* reach: 2^-50 of the largest coordinate; slack: the same once there are
-                                              rests: differences of coordinates without these are off by less */
+    double slack;                          /* by how much rests change differences of coordinates, at most */
     pbwfill__doubles x;                    /* PLACE numbers a vertex */
     PBW_ARRAY(pbwfill__rest) rests;        /* the first is none */
     size_t inputs;                         /* how many vertices are the input's */
@@ -283,7 +283,8 @@ typedef struct pbwfill__work {
     PBW_ARRAY(uint32_t) seen;              /* of each tetrahedron, against `epoch` */
     uint32_t epoch;
     PBW_ARRAY(unsigned char) touched;      /* of each vertex: its star has changed */
-    PBW_ARRAY(unsigned char) noted;        /* of each piece or tetrahedron, by several threads: it has to be mended */
+    PBW_ARRAY(unsigned char) noted;        /* by several threads, of each piece or tetrahedron: it has to be mended;
+                                              of each facet: it is there */
     PBW_ARRAY(unsigned char) beyond;       /* of each vertex: which faces of a tetrahedron it is beyond */
     pbwfill__indices corners;              /* of the triangles: canonical points */
     PBW_ARRAY(pbwfill__edge) edges;
@@ -296,11 +297,13 @@ typedef struct pbwfill__work {
     pbwfill__indices ends_of;              /* 2 a vertex on a segment: its piece's `ends`; vertices of segments follow
                                               the box's corners */
     pbwfill__table table, borders, covered, segments;
-    pbwfill__indices cavity, rest;         /* tetrahedra; vertices, or those to be visited */
+    pbwfill__indices cavity;               /* tetrahedra */
+    pbwfill__indices list;                 /* vertices of the cavity, or tetrahedra to be visited */
     PBW_ARRAY(pbwfill__face) faces;
     PBW_ARRAY(pbwfill__tet) made;          /* what is to fill the cavity; links: 4 times the place of another one in
                                               here, plus the corner */
-    PBW_ARRAY(signed char) sign;           /* of each vertex, where seen_vertex has the epoch */
+    PBW_ARRAY(signed char) sign;           /* of each vertex: the side of a facet's plane that it is on, where
+                                              seen_vertex has the facet's number plus 1; from >>exact on 1 */
     PBW_ARRAY(uint32_t) seen_vertex;
     pbwfill__indices region;               /* of each tetrahedron */
     pbwfill__indices made_region;          /* of those made; empty: all are of the region of the cavity's first */
@@ -476,6 +479,18 @@ static int pbwfill__drop_tet(pbwfill__work *w, pbw_index t)
     return PBW_PUSH(&w->memory, w->unused, t) != 0;
 }
 
+/* Sets the region of a tetrahedron, which may be new.  Returns 0 without memory. */
+static int pbwfill__set_region(pbwfill__work *w, pbw_index t, pbw_index region)
+{
+    while (w->region.count < w->tets.count) {
+        if (!PBW_PUSH(&w->memory, w->region, PBW_NONE)) {
+            return 0;
+        }
+    }
+    w->region.at[t] = region;
+    return 1;
+}
+
 /* The number of a corner; 4 if v is none. */
 static unsigned pbwfill__corner_of(const pbwfill__tet *t, pbw_index v)
 {
@@ -522,13 +537,13 @@ static int pbwfill__new_vertex(pbwfill__work *w, const double p[PBWFILL__PLACE])
 /* ------------------------------------------------------------------------------------------------------
    >>signs        Exact signs for places that are sums of doubles.
    In: places; a coordinate is x[k], plus the parts of its rest.  Out: signs; ties as pbw.h decides them.
-   A point on an edge of the input is p + m 2^-22 (q - p), m an integer: p and q are doubles, so that it is the sum of
-   four, two of either product.  Most other places are triples of doubles.
+   A point on an edge of the input is (1 - t) p + t q, t a multiple of 2^-22: as p and q are doubles, it is the sum of
+   four, two of either product.  With few bits, as in models of floats, it is mostly a double, as are other places.
    Holds: where there are rests, coordinates are multiples of 2^-214 below 2^82.  So differences have at most 297
-   bits, determinants of degree five at most 5 * 297 + 5; all products are multiples of 2^-1070, and nothing under- or
-   overflows.  A sum consists of parts, which ascend, do not overlap, and are not adjacent: there is a bit between any
-   two (Shewchuk 1997, "Adaptive precision floating-point arithmetic", theorem 10: sums that round to nearest even
-   leave them so).  So there are two bits for each part but one.
+   bits, determinants of degree five, sums of 72 products, at most 5 * 297 + 7; all products are multiples of 2^-1070,
+   and nothing under- or overflows.  A sum consists of parts, which ascend, do not overlap, and are not adjacent: there
+   is a bit between any two (Shewchuk 1997, "Adaptive precision floating-point arithmetic", theorem 10: sums that round
+   to nearest even leave them so).  So there are two bits for each part but one.
    ------------------------------------------------------------------------------------------------------ */
 enum { PBWFILL__PARTS = 150 };             /* of a difference, at most; times the degree of other numbers */
 
@@ -578,11 +593,13 @@ static int pbwfill__sign(const pbwfill__sum *n)
     return n->count == 0 ? 0 : n->part[n->count - 1] > 0 ? 1 : -1;
 }
 
-/* Takes a number apart: x is near it, and rest has the parts that x lacks. */
-static void pbwfill__split_parts(pbwfill__sum *n, double *x, double rest[3])
+/* Takes a number apart: x is near it, and rest gets what x lacks.  x is off by less than 3 u times the number,
+   u = 2^-53, and each part of the rest likewise: let b be the last bit of n's largest part.  Sums of the parts below
+   are less than b / 2, b / 8, and so on, together 2 b / 3, and the number is at least b / 2. */
+static void pbwfill__split_parts(pbwfill__work *w, pbwfill__sum *n, double *x, double rest[3])
 {
     int i, j;
-    for (i = -1; i < 3; i++) {                       /* the remainder is below some last places of the sum */
+    for (i = -1; i < 3; i++) {
         double sum = 0;
         for (j = 0; j < n->count; j++) {
             sum += n->part[j];
@@ -590,6 +607,7 @@ static void pbwfill__split_parts(pbwfill__sum *n, double *x, double rest[3])
         *(i < 0 ? x : rest + i) = sum;
         pbwfill__add(n, -sum);
     }
+    w->slack = fmax(w->slack, 2.001 * fabs(rest[0]));        /* two such rests, with all of their parts */
 }
 
 /* p's coordinate k less o's. */
@@ -608,7 +626,7 @@ static pbwfill__sum pbwfill__difference(const pbwfill__work *w, const double *p,
 }
 
 /* Rounds rows[i] = p[i] - o.  size: of each axis, and of the squared length, what bounds them: a difference is off by
-   2 u times that, u = 2^-53 (the sum of the rests beyond their first parts is below u times these). */
+   5 u times that: two roundings on each term, and rests beyond their first parts, which are below 3 u of these. */
 static void pbwfill__subtract(const pbwfill__work *w, const double *const *p, int count, const double *o,
                               double rows[4][3], double size[4])
 {
@@ -643,7 +661,8 @@ static double pbwfill__minor3(double rows[4][3], int i, int j, int k)
 
 /* The same in pairs of doubles.  Errors are at most 7 u^2 of a product and 3 u^2 of the terms of a sum (Joldes,
    Muller and Popescu 2017, "Tight and rigorous error bounds for basic building blocks of double-word arithmetic"):
-   8 u^2 for each of them.  A difference takes three sums. */
+   8 u^2 for each of them.  A difference counts as three: two sums, and third parts, which are below 9 u^2 of the
+   first ones. */
 static void pbwfill__subtract_pairs(const pbwfill__work *w, const double *const *p, int count, const double *o,
                                     pbw_pair rows[4][3])
 {
@@ -746,8 +765,8 @@ static int pbwfill__exact_orient(const pbwfill__work *w, const double *const p[4
     return -pbwfill__sign(&n);
 }
 
-/* pbw_orient3 with rests.  Roundings on a product as in pbw.h's table: 2 for each of three differences, and 5 more;
-   six products: 66 u times the sizes.  In pairs 3 * 3 and 5: 672 u^2. */
+/* pbw_orient3 with rests.  Roundings on a product, as pbw.h counts them: 5 for each of three differences, and 5 more;
+   six products: 120 u times the sizes.  In pairs 3 for each difference: 672 u^2. */
 static int pbwfill__orient_rests(const pbwfill__work *w, const double *const p[4])
 {
     double rows[4][3], size[4], det, bound;
@@ -755,7 +774,7 @@ static int pbwfill__orient_rests(const pbwfill__work *w, const double *const p[4
     int sign;
     pbwfill__subtract(w, p, 3, p[3], rows, size);
     det = pbwfill__minor3(rows, 0, 1, 2);
-    bound = 1e-14 * size[0] * size[1] * size[2];
+    bound = 1.4e-14 * size[0] * size[1] * size[2];
     if (det > bound || det < -bound) {
         return det > 0 ? -1 : 1;
     }
@@ -772,9 +791,9 @@ static double pbwfill__largest(double a, double b, double c)
     return most > z ? most : z;
 }
 
-/* The first filter is for all places, without their rests: as in pbw.h's table, and six products of three differences
-   that are off by e are off by no more than 6 (x y z - (x - e) (y - e) (z - e)), and so by 6 e (x y + y z + z x).
-   Underflows are below 2^-900. */
+/* The first filter is for all places, without their rests: 8 roundings on each of six products, 48 u times the sizes,
+   and six products of three differences that rests change by e change by no more than 6 (x y z - (x - e) (y - e)
+   (z - e)), and so by 6 e (x y + y z + z x).  Underflows are below 2^-900. */
 static int pbwfill__orient3(const pbwfill__work *w, const double *a, const double *b, const double *c,
                             const double *d)
 {
@@ -857,8 +876,8 @@ static double pbwfill__conflict_in_pairs(const pbwfill__work *w, const double *c
     return det.head;
 }
 
-/* pbw_conflict3 with rests.  Roundings on a product: 2 for each difference, 2 times in the lift; 3 more in that, 5 in
-   the minor, 3 in the sum; 24 products: 504 u times the sizes.  In pairs 3 for each difference: 4992 u^2. */
+/* pbw_conflict3 with rests.  Roundings on a product: 5 for each difference, which are two in the lift; 3 more in that,
+   5 in the minor, 3 in the sum; 24 products: 864 u times the sizes.  In pairs 3 for each difference: 4992 u^2. */
 static int pbwfill__conflict_rests(const pbwfill__work *w, const double *const *corner, const double *p)
 {
     double rows[4][3], size[4], lift[4], det, bound;
@@ -869,7 +888,7 @@ static int pbwfill__conflict_rests(const pbwfill__work *w, const double *const *
     }
     det = (lift[0] * pbwfill__minor3(rows, 1, 2, 3) - lift[1] * pbwfill__minor3(rows, 0, 2, 3))
         + (lift[2] * pbwfill__minor3(rows, 0, 1, 3) - lift[3] * pbwfill__minor3(rows, 0, 1, 2));
-    bound = 7e-14 * size[0] * size[1] * size[2] * size[3];
+    bound = 1e-13 * size[0] * size[1] * size[2] * size[3];
     if (fabs(det) <= bound) {
         det = pbwfill__conflict_in_pairs(w, corner, p);
         bound *= 1e-14;
@@ -903,7 +922,7 @@ static int pbwfill__exact_turn(const pbwfill__work *w, const double *const p[3],
     return pbwfill__sign(&n);
 }
 
-/* pbw_orient2 along an axis with rests.  Two products with 2 * 2 + 2 roundings: 12 u times the sizes. */
+/* pbw_orient2 along an axis with rests.  Two products with 2 * 5 + 2 roundings: 24 u times the sizes. */
 static int pbwfill__turn_rests(const pbwfill__work *w, const double *const p[3], int axis)
 {
     const int u = (axis + 1) % 3, v = (axis + 2) % 3;
@@ -911,7 +930,7 @@ static int pbwfill__turn_rests(const pbwfill__work *w, const double *const p[3],
     int sign;
     pbwfill__subtract(w, p, 2, p[2], rows, size);
     det = rows[0][u] * rows[1][v] - rows[1][u] * rows[0][v];
-    bound = 2e-15 * size[u] * size[v];
+    bound = 3e-15 * size[u] * size[v];
     sign = det > bound ? 1 : det < -bound ? -1 : pbwfill__sign_of_ends(w, p, 3, axis);
     return sign < 2 ? sign : pbwfill__exact_turn(w, p, u, v);
 }
@@ -950,9 +969,7 @@ static int pbwfill__is_beyond(const pbwfill__work *w, const pbwfill__tet *t, uns
    >>vertices     The input's points, and a box around.
    In: the input's points.  Out: vertices: those times a power of two, so that the longest side of their box is from
    2^28 on and below 2^29; the corners of a box five times as wide.
-   Holds: nothing is rounded.  If the input's points are on a grid of 2^-29 of the box, and that is at 0, coordinates
-   are integers below 2^30.  A point a + m 2^-22 (b - a) between these, m an integer, is a triple of doubles: b - a
-   has at most 31 bits, times m 53; the sum is below 2^30 and a multiple of 2^-22.
+   Holds: nothing is rounded.
    ------------------------------------------------------------------------------------------------------ */
 /* x times 2^e, for e from -2000 to 2000. */
 static double pbwfill__scaled(double x, int e)
@@ -1006,14 +1023,14 @@ static void pbwfill__place(const pbwfill__work *w, const double *x, double out[3
     }
 }
 
-/* Whether places with rests may be on an edge that ends at such a coordinate: its last bit is 2^-192 or larger, or
-   that times 2^-22 on the edge. */
+/* Whether signs with rests are exact for places at such a coordinate, and on edges that end there: its last bit is
+   2^-192 or larger, and 2^-22 of that on edges. */
 static int pbwfill__is_in_range(double x)
 {
     return !(fabs(x) > 0) || (fabs(x) >= ldexp(1, -140) && fabs(x) < ldexp(1, 82));
 }
 
-/* Rounds x to what the caller's doubles hold. */
+/* Rounds x to what the caller's doubles hold, and to 0 what is too small for signs with rests. */
 static void pbwfill__round(const pbwfill__work *w, double x[3])
 {
     double out[3];
@@ -1049,7 +1066,6 @@ static pbw_status pbwfill__make_vertices(pbwfill__work *w)
             const double back = pbwfill__scaled(x, w->exponent);
             w->x.at[PBWFILL__PLACE * i + k] = x;
             w->has_rests &= pbwfill__is_in_range(x);
-            w->reach = fmax(w->reach, ldexp(fabs(x), -50));
             if (back < y || back > y) {
                 return pbwfill__refuse(w, PBW_FILL_TOO_FINE, (pbw_index)i, (pbw_index)i);
             }
@@ -1114,10 +1130,15 @@ static int pbwfill__axis_of(const pbwfill__work *w, const double *a, const doubl
     return axis;
 }
 
+/* The product of p - o and q - o. */
+static double pbwfill__dot(const double *o, const double *p, const double *q)
+{
+    return (p[0] - o[0]) * (q[0] - o[0]) + (p[1] - o[1]) * (q[1] - o[1]) + (p[2] - o[2]) * (q[2] - o[2]);
+}
+
 static double pbwfill__distance(const double *p, const double *q)
 {
-    const double x = p[0] - q[0], y = p[1] - q[1], z = p[2] - q[2];
-    return sqrt(x * x + y * y + z * z);
+    return sqrt(pbwfill__dot(p, q, q));
 }
 
 /* Takes over the triangles, and tells in `gone` those with two corners at one place; others without area are
@@ -1367,10 +1388,8 @@ static pbw_status pbwfill__find_narrow(pbwfill__work *w)
             w->narrow.at[i] = count > 1000;
             for (j = 0; j < count * count && !w->narrow.at[i]; j++) {
                 const double *q = pbwfill__at(w, other[j / count]), *r = pbwfill__at(w, other[j % count]);
-                const double product = (q[0] - p[0]) * (r[0] - p[0]) + (q[1] - p[1]) * (r[1] - p[1])
-                                     + (q[2] - p[2]) * (r[2] - p[2]);
-                w->narrow.at[i] = j / count < j % count
-                               && product > least * pbwfill__distance(p, q) * pbwfill__distance(p, r);
+                w->narrow.at[i] = j / count < j % count && pbwfill__dot(p, q, r)
+                                > least * pbwfill__distance(p, q) * pbwfill__distance(p, r);
             }
         }
     }
@@ -1464,38 +1483,43 @@ static int pbwfill__is_in_conflict(const pbwfill__work *w, const pbwfill__tet *t
                               pbwfill__at(w, t->v[3]), p);
 }
 
-/* Lists the tetrahedra in conflict with p, from one of them; seen: epoch for these, epoch + 1 for those beside. */
-static pbw_status pbwfill__find_cavity(pbwfill__work *w, pbw_index start, const double *p, size_t *facets)
+/* Lists the tetrahedra in conflict with p, from the one that it is in, up to facets; seen: epoch for these, epoch + 1
+   for those beside.  Returns 0 without memory. */
+static int pbwfill__open_cavity(pbwfill__work *w, pbw_index start, const double *p)
 {
     size_t i;
     unsigned k;
     w->epoch += 2;
-    w->cavity.count = *facets = 0;
+    w->cavity.count = 0;
     w->seen.at[start] = w->epoch;
     if (!PBW_PUSH(&w->memory, w->cavity, start)) {
-        return PBW_ERROR_MEMORY;
+        return 0;
     }
     for (i = 0; i < w->cavity.count; i++) {
         for (k = 0; k < 4; k++) {
-            const pbw_index n = w->tets.at[w->cavity.at[i]].n[k];
-            if (n == PBW_NONE || w->seen.at[n] == w->epoch + 1) {
-                ++*facets;
-            } else if (w->seen.at[n] != w->epoch) {
-                const int in = pbwfill__is_in_conflict(w, w->tets.at + n, p);
-                w->seen.at[n] = in ? w->epoch : w->epoch + 1;
-                if (!in) {
-                    ++*facets;
-                } else if (!PBW_PUSH(&w->memory, w->cavity, n)) {
-                    return PBW_ERROR_MEMORY;
+            const pbwfill__tet *t = w->tets.at + w->cavity.at[i];
+            const pbw_index n = t->n[k];
+            if (n != PBW_NONE && t->wall[k] == PBW_NONE && w->seen.at[n] < w->epoch) {
+                w->seen.at[n] = w->epoch + !pbwfill__is_in_conflict(w, w->tets.at + n, p);
+                if (w->seen.at[n] == w->epoch && !PBW_PUSH(&w->memory, w->cavity, n)) {
+                    return 0;
                 }
             }
         }
     }
-    return PBW_OK;
+    return 1;
 }
 
-/* Makes the tetrahedron of vertex p that replaces t, corner i's; links it to its neighbours so far. */
-static pbw_status pbwfill__make_tet(pbwfill__work *w, pbw_index t, unsigned i, pbw_index p)
+/* Whether the cavity ends across from corner k of its tetrahedron t. */
+static int pbwfill__ends_at(const pbwfill__work *w, pbw_index t, unsigned k)
+{
+    const pbwfill__tet *tet = w->tets.at + t;
+    return tet->n[k] == PBW_NONE || tet->wall[k] != PBW_NONE || w->seen.at[tet->n[k]] != w->epoch;
+}
+
+/* Makes the tetrahedron of vertex p that replaces t, corner i's; links it to its neighbours so far.  Returns 0
+   without memory. */
+static int pbwfill__make_tet(pbwfill__work *w, pbw_index t, unsigned i, pbw_index p)
 {
     const pbw_index made = pbwfill__new_tet(w), outside = w->tets.at[t].n[i];
     pbwfill__tet *m = w->tets.at + made;
@@ -1512,43 +1536,39 @@ static pbw_status pbwfill__make_tet(pbwfill__work *w, pbw_index t, unsigned i, p
         if (k == i) {
             continue;
         }
+        m->wall[k] = PBW_NONE;
         a = m->v[(i + 1) % 4 == k ? (i + 2) % 4 : (i + 1) % 4];      /* the two corners beside i and k */
         b = m->v[(i + 3) % 4 == k ? (i + 2) % 4 : (i + 3) % 4];
         other = pbwfill__put(w, &w->table, a < b ? a : b, a < b ? b : a, PBW_NONE);
         if (other == NULL) {
-            return PBW_ERROR_MEMORY;
+            return 0;
         }
         if (*other != PBW_NONE) {
             pbwfill__link(w, made, k, *other / 4, *other % 4);
         }
         *other = 4 * made + k;
     }
-    return PBW_OK;
+    return PBW_PUSH(&w->memory, w->list, made) != 0;
 }
 
-/* Inserts the vertex, which is in tetrahedron t. */
-static pbw_status pbwfill__insert(pbwfill__work *w, pbw_index vertex, pbw_index t)
+/* Puts the star of the vertex, which `list` gets, in the place of the cavity, of which the vertex sees all faces.
+   Returns 0 without memory. */
+static int pbwfill__make_star(pbwfill__work *w, pbw_index vertex)
 {
-    size_t i, facets;
+    size_t i;
     unsigned k;
-    pbw_status status = pbwfill__find_cavity(w, t, pbwfill__at(w, vertex), &facets);
-    if (status == PBW_OK && !pbwfill__reserve(w, facets)) {
-        status = PBW_ERROR_MEMORY;
-    }
+    int good = pbwfill__reserve(w, 2 * w->cavity.count + 2);         /* its faces, as its tetrahedra are connected */
+    w->list.count = 0;
     pbwfill__clear(&w->table);
-    for (i = 0; status == PBW_OK && i < w->cavity.count; i++) {
-        const pbw_index old = w->cavity.at[i];
-        for (k = 0; k < 4 && status == PBW_OK; k++) {
-            const pbw_index n = w->tets.at[old].n[k];
-            if (n == PBW_NONE || w->seen.at[n] != w->epoch) {
-                status = pbwfill__make_tet(w, old, k, vertex);
-            }
+    for (i = 0; i < w->cavity.count && good; i++) {
+        for (k = 0; k < 4 && good; k++) {
+            good = !pbwfill__ends_at(w, w->cavity.at[i], k) || pbwfill__make_tet(w, w->cavity.at[i], k, vertex);
         }
     }
-    for (i = 0; status == PBW_OK && i < w->cavity.count; i++) {
-        status = pbwfill__drop_tet(w, w->cavity.at[i]) ? PBW_OK : PBW_ERROR_MEMORY;
+    for (i = 0; i < w->cavity.count && good; i++) {
+        good = pbwfill__drop_tet(w, w->cavity.at[i]);
     }
-    return status;
+    return good;
 }
 
 /* ------------------------------------------------------------------------------------------------------
@@ -1652,7 +1672,7 @@ static int pbwfill__look_along(const pbwfill__work *w, const pbwfill__piece *pie
             if (tet->v[k] == piece->a || tet->v[k] == piece->b) {
                 continue;
             }
-            product = (p[0] - r[0]) * (q[0] - r[0]) + (p[1] - r[1]) * (q[1] - r[1]) + (p[2] - r[2]) * (q[2] - r[2]);
+            product = pbwfill__dot(r, p, q);
             if (product > 0) {
                 continue;
             }
@@ -1660,8 +1680,7 @@ static int pbwfill__look_along(const pbwfill__work *w, const pbwfill__piece *pie
                 sight->vertex = tet->v[k];
                 return 1;
             }
-            s = (r[0] - p[0]) * (q[0] - p[0]) + (r[1] - p[1]) * (q[1] - p[1]) + (r[2] - p[2]) * (q[2] - p[2]);
-            s /= square;
+            s = pbwfill__dot(p, r, q) / square;
             h = fmax(0, product / square + s * (1 - s));             /* h^2 */
             sight->low = s < 1 ? fmax(sight->low, s - h / (1 - s)) : sight->low;
             sight->high = s > 0 ? fmin(sight->high, s + h / s) : sight->high;
@@ -1758,7 +1777,8 @@ static int pbwfill__between(const double *p, const double *q, double t, double x
 }
 
 /* The same for any doubles in range: rest gets what x lacks. */
-static void pbwfill__between_exactly(const double *p, const double *q, double t, double x[3], pbwfill__rest *rest)
+static void pbwfill__between_exactly(pbwfill__work *w, const double *p, const double *q, double t, double x[3],
+                                     pbwfill__rest *rest)
 {
     double parts[8];                                 /* of five sums */
     pbwfill__sum n;
@@ -1769,7 +1789,7 @@ static void pbwfill__between_exactly(const double *p, const double *q, double t,
         n.count = 0;
         pbwfill__add(&n, l.tail), pbwfill__add(&n, l.head), pbwfill__add(&n, m.tail), pbwfill__add(&n, m.head);
         pbwfill__add(&n, p[k]);
-        pbwfill__split_parts(&n, x + k, rest->part[k]);
+        pbwfill__split_parts(w, &n, x + k, rest->part[k]);
     }
 }
 
@@ -1801,10 +1821,9 @@ static uint32_t pbwfill__add_split(pbwfill__work *w, const pbwfill__piece *piece
     }
     if (!pbwfill__between(p, q, best * ldexp(1, -PBWFILL__STEPS), x)) {
         pbwfill__rest rest;
-        pbwfill__between_exactly(p, q, best * ldexp(1, -PBWFILL__STEPS), x, &rest);
+        pbwfill__between_exactly(w, p, q, best * ldexp(1, -PBWFILL__STEPS), x, &rest);
         memcpy(rest.ends, piece->ends, sizeof rest.ends);
         x[3] = (double)w->rests.count;
-        w->slack = w->reach;
         if (!PBW_PUSH(&w->memory, w->rests, rest)) {
             return PBW_NONE;
         }
@@ -1840,9 +1859,9 @@ static pbw_status pbwfill__mend_piece(pbwfill__work *w, pbw_index i, pbwfill__in
         w->report->segment_points++;
         if (made != PBW_NONE) {
             const double *p = pbwfill__at(w, vertex);
-            const pbw_status status = pbwfill__insert(w, vertex, pbwfill__locate(w, w->at.at[piece.a], p));
-            if (status != PBW_OK) {
-                return status;
+            if (!pbwfill__open_cavity(w, pbwfill__locate(w, w->at.at[piece.a], p), p)
+                || !pbwfill__make_star(w, vertex)) {
+                return PBW_ERROR_MEMORY;
             }
         }
         if ((double)w->report->segment_points > (w->how.most > 0 ? (double)w->how.most : 5e7)) {
@@ -1983,8 +2002,8 @@ static int pbwfill__is_blocked(pbwfill__work *w, const pbw_index v[3], pbw_index
 {
     size_t i;
     int k, j;
-    for (i = 0; i < w->rest.count; i++) {
-        const pbw_index u = w->rest.at[i];
+    for (i = 0; i < w->list.count; i++) {
+        const pbw_index u = w->list.at[i];
         unsigned char *bits = w->beyond.at + u;
         *bits &= PBWFILL__BEHIND | PBWFILL__CANDIDATE;
         if (u == d || u == v[0] || u == v[1] || u == v[2]) {
@@ -2020,21 +2039,21 @@ static int pbwfill__is_blocked(pbwfill__work *w, const pbw_index v[3], pbw_index
     return 0;
 }
 
-/* The corner for the tetrahedron at a face, among w->rest: of those from which the sphere through the face holds no
+/* The corner for the tetrahedron at a face, among w->list: of those from which the sphere through the face holds no
    better one, the first that is not blocked; PBW_NONE if there is none. */
 static pbw_index pbwfill__choose_corner(pbwfill__work *w, const pbw_index v[3], int side)
 {
     pbw_index best;
     size_t i;
-    for (i = 0; i < w->rest.count; i++) {
-        const pbw_index d = w->rest.at[i];
+    for (i = 0; i < w->list.count; i++) {
+        const pbw_index d = w->list.at[i];
         const int turn = pbwfill__orient(w, v[0], v[1], v[2], d);
         w->beyond.at[d] = turn < 0 ? PBWFILL__BEHIND : turn > 0 && w->sign.at[d] * side >= 0 ? PBWFILL__CANDIDATE : 0;
     }
     do {
         best = PBW_NONE;
-        for (i = 0; i < w->rest.count; i++) {
-            const pbw_index d = w->rest.at[i];
+        for (i = 0; i < w->list.count; i++) {
+            const pbw_index d = w->list.at[i];
             if ((w->beyond.at[d] & PBWFILL__CANDIDATE) == 0) {
                 continue;
             }
@@ -2191,7 +2210,7 @@ static const unsigned char pbwfill__third[4][4] = { { 4, 2, 3, 1 }, { 3, 4, 0, 2
 
 typedef struct pbwfill__plane { pbw_index v[3], facet; } pbwfill__plane;
 
-/* The side of the facet's plane that v is on, remembered under the epoch of vertices. */
+/* The side of the facet's plane that v is on, which is remembered. */
 static int pbwfill__side_of(pbwfill__work *w, const pbwfill__plane *plane, pbw_index v)
 {
     if (w->seen_vertex.at[v] != plane->facet + 1) {
@@ -2207,18 +2226,18 @@ static pbw_index pbwfill__with_edge(pbwfill__work *w, pbw_index u, pbw_index v)
     size_t i;
     unsigned k;
     w->epoch += 2;
-    w->rest.count = 0;
+    w->list.count = 0;
     w->seen.at[w->at.at[u]] = w->epoch;
-    w->starved = !PBW_PUSH(&w->memory, w->rest, w->at.at[u]);
-    for (i = 0; i < w->rest.count && !w->starved; i++) {
-        const pbwfill__tet *t = w->tets.at + w->rest.at[i];
+    w->starved = !PBW_PUSH(&w->memory, w->list, w->at.at[u]);
+    for (i = 0; i < w->list.count && !w->starved; i++) {
+        const pbwfill__tet *t = w->tets.at + w->list.at[i];
         if (pbwfill__corner_of(t, v) < 4) {
-            return w->rest.at[i];
+            return w->list.at[i];
         }
         for (k = 0; k < 4; k++) {
             if (t->v[k] != u && t->n[k] != PBW_NONE && w->seen.at[t->n[k]] != w->epoch) {
                 w->seen.at[t->n[k]] = w->epoch;
-                w->starved |= !PBW_PUSH(&w->memory, w->rest, t->n[k]);
+                w->starved |= !PBW_PUSH(&w->memory, w->list, t->n[k]);
             }
         }
     }
@@ -2297,7 +2316,7 @@ static int pbwfill__list_faces(pbwfill__work *w)
 {
     size_t i;
     unsigned k, j;
-    w->faces.count = w->rest.count = 0;
+    w->faces.count = w->list.count = 0;
     pbwfill__clear(&w->table);
     for (i = 0; i < w->cavity.count; i++) {
         const pbw_index t = w->cavity.at[i];
@@ -2306,7 +2325,7 @@ static int pbwfill__list_faces(pbwfill__work *w)
             const int inner = tet->n[k] != PBW_NONE && w->seen.at[tet->n[k]] == w->epoch;
             pbw_index *vertex = pbwfill__put(w, &w->table, tet->v[k], PBW_NONE, PBW_NONE);
             pbwfill__face f;
-            if (vertex == NULL || (*vertex == PBW_NONE && !PBW_PUSH(&w->memory, w->rest, tet->v[k]))) {
+            if (vertex == NULL || (*vertex == PBW_NONE && !PBW_PUSH(&w->memory, w->list, tet->v[k]))) {
                 return 0;
             }
             *vertex = 0;
@@ -2357,12 +2376,9 @@ static pbw_status pbwfill__replace(pbwfill__work *w, pbw_index facet, const pbwf
             && PBW_RESERVE(&w->memory, w->unused, w->cavity.count);
     for (i = 0; good && i < w->made.count; i++) {
         places.at[i] = pbwfill__new_tet(w);
-        while (good && w->region.count > 0 && w->region.count < w->tets.count) {
-            good = PBW_PUSH(&w->memory, w->region, PBW_NONE) != 0;
-        }
-        if (good && w->region.count > 0) {
-            w->region.at[places.at[i]] = w->made_region.count > 0 ? w->made_region.at[i]
-                                       : w->region.at[w->cavity.at[0]];
+        if (w->region.count > 0) {
+            good = pbwfill__set_region(w, places.at[i], w->made_region.count > 0 ? w->made_region.at[i]
+                                       : w->region.at[w->cavity.at[0]]);
         }
     }
     for (i = 0; good && i < w->made.count; i++) {
@@ -2431,7 +2447,7 @@ static pbw_status pbwfill__fill_cut(pbwfill__work *w, const pbwfill__plane *plan
         status = PBW_ERROR_MEMORY;
     }
     w->made.count = 0;
-    most = w->rest.count * w->rest.count + 100;      /* more than any triangulation of them has */
+    most = w->list.count * w->list.count + 100;      /* more than any triangulation of them has */
     status = status != PBW_OK ? status : pbwfill__wrap(w, 1, most, &floor);
     above = floor.count;
     status = status != PBW_OK ? status : pbwfill__wrap(w, -1, most, &floor);
@@ -2671,7 +2687,7 @@ typedef struct pbwfill__map {
 static pbw_status pbwfill__find_components(pbwfill__work *w, pbwfill__map *map, pbw_index first)
 {
     size_t i;
-    w->rest.count = 0;
+    w->list.count = 0;
     if (!PBW_FIT(&w->memory, w->region, w->tets.count)) {
         return PBW_ERROR_MEMORY;
     }
@@ -2686,11 +2702,11 @@ static pbw_status pbwfill__find_components(pbwfill__work *w, pbwfill__map *map, 
         c.heads = c.depth = c.seed = PBW_NONE;
         c.key = UINT64_MAX;
         w->region.at[start] = number;
-        if (!PBW_PUSH(&w->memory, map->components, c) || !PBW_PUSH(&w->memory, w->rest, start)) {
+        if (!PBW_PUSH(&w->memory, map->components, c) || !PBW_PUSH(&w->memory, w->list, start)) {
             return PBW_ERROR_MEMORY;
         }
-        while (w->rest.count > 0) {
-            const pbwfill__tet *t = w->tets.at + w->rest.at[--w->rest.count];
+        while (w->list.count > 0) {
+            const pbwfill__tet *t = w->tets.at + w->list.at[--w->list.count];
             int k;
             if (pbwfill__tick(w, 0)) {
                 return PBW_CANCELLED;
@@ -2698,7 +2714,7 @@ static pbw_status pbwfill__find_components(pbwfill__work *w, pbwfill__map *map, 
             for (k = 0; k < 4; k++) {
                 if (t->n[k] != PBW_NONE && t->wall[k] == PBW_NONE && w->region.at[t->n[k]] == PBW_NONE) {
                     w->region.at[t->n[k]] = number;
-                    if (!PBW_PUSH(&w->memory, w->rest, t->n[k])) {
+                    if (!PBW_PUSH(&w->memory, w->list, t->n[k])) {
                         return PBW_ERROR_MEMORY;
                     }
                 }
@@ -2762,13 +2778,13 @@ static pbw_status pbwfill__find_contacts(pbwfill__work *w, pbwfill__map *map)
 static pbw_status pbwfill__find_depths(pbwfill__work *w, pbwfill__map *map)
 {
     size_t i;
-    w->rest.count = 0;
+    w->list.count = 0;
     map->components.at[0].depth = 0;
-    if (!PBW_PUSH(&w->memory, w->rest, 0)) {
+    if (!PBW_PUSH(&w->memory, w->list, 0)) {
         return PBW_ERROR_MEMORY;
     }
-    for (i = 0; i < w->rest.count; i++) {
-        const pbw_index c = w->rest.at[i];
+    for (i = 0; i < w->list.count; i++) {
+        const pbw_index c = w->list.at[i];
         pbw_index at;
         for (at = map->components.at[c].heads; at != PBW_NONE; at = map->contacts.at[at].next) {
             const pbwfill__contact *contact = map->contacts.at + at;
@@ -2777,7 +2793,7 @@ static pbw_status pbwfill__find_depths(pbwfill__work *w, pbwfill__map *map)
             *around = *around == PBW_NONE ? c : *around;
             if (other->depth == PBW_NONE) {
                 other->depth = map->components.at[c].depth + (*around == c);
-                if (!PBW_PUSH(&w->memory, w->rest, contact->other)) {
+                if (!PBW_PUSH(&w->memory, w->list, contact->other)) {
                     return PBW_ERROR_MEMORY;
                 }
             }
@@ -3011,17 +3027,17 @@ static int pbwfill__find_wedges(pbwfill__work *w, pbwfill__star *star)
             continue;
         }
         star->wedges++;
-        w->rest.count = 0;
-        if (!PBW_PUSH(&w->memory, w->rest, w->cavity.at[next])) {
+        w->list.count = 0;
+        if (!PBW_PUSH(&w->memory, w->list, w->cavity.at[next])) {
             return 0;
         }
         w->seen.at[w->cavity.at[next]] = w->epoch + (uint32_t)star->wedges;
-        for (i = 0; i < w->rest.count; i++) {
-            const pbwfill__tet *t = w->tets.at + w->rest.at[i];
+        for (i = 0; i < w->list.count; i++) {
+            const pbwfill__tet *t = w->tets.at + w->list.at[i];
             for (k = 0; k < 4; k++) {
                 if (t->v[k] != star->v && t->wall[k] == PBW_NONE && w->seen.at[t->n[k]] == w->epoch) {
                     w->seen.at[t->n[k]] = w->epoch + (uint32_t)star->wedges;
-                    if (!PBW_PUSH(&w->memory, w->rest, t->n[k])) {
+                    if (!PBW_PUSH(&w->memory, w->list, t->n[k])) {
                         return 0;
                     }
                 }
@@ -3228,6 +3244,13 @@ static void pbwfill__normal(const pbwfill__work *w, const pbw_index v[3], double
     }
 }
 
+/* How far x is above the plane of a face with the normal n. */
+static double pbwfill__height(const pbwfill__work *w, const pbw_index v[3], const double n[3], const double *x)
+{
+    const double *a = pbwfill__at(w, v[0]);
+    return n[0] * (x[0] - a[0]) + n[1] * (x[1] - a[1]) + n[2] * (x[2] - a[2]);
+}
+
 /* Sets the normals of the wedge's faces. */
 static void pbwfill__find_normals(pbwfill__work *w, int wedge)
 {
@@ -3246,12 +3269,7 @@ static double pbwfill__depth(const pbwfill__work *w, int wedge, const double x[3
     size_t i;
     for (i = 0; i < w->faces.count; i++) {
         const pbwfill__face *f = w->faces.at + i;
-        const double *a = pbwfill__at(w, f->v[0]);
-        double depth;
-        if (f->side != wedge) {
-            continue;
-        }
-        depth = f->n[0] * (x[0] - a[0]) + f->n[1] * (x[1] - a[1]) + f->n[2] * (x[2] - a[2]);
+        const double depth = f->side == wedge ? pbwfill__height(w, f->v, f->n, x) : HUGE_VAL;
         if (depth < least) {
             least = depth;
             memcpy(n, f->n, sizeof f->n);
@@ -3312,7 +3330,6 @@ static int pbwfill__find_fine_place(pbwfill__work *w, const pbwfill__wedge *wedg
     memset(&none, 0, sizeof none);
     none.ends[0] = none.ends[1] = PBW_NONE;
     x[3] = (double)w->rests.count;
-    w->slack = w->reach;
     w->starved = !PBW_PUSH(&w->memory, w->rests, none);
     for (tries = 0; tries < 100 && !w->starved && !found; tries++, step /= 2) {
         for (k = 0; k < 3; k++) {
@@ -3325,7 +3342,7 @@ static int pbwfill__find_fine_place(pbwfill__work *w, const pbwfill__wedge *wedg
             }
             pbwfill__add(&n, wedge->from[k]);
             pbwfill__add(&n, pbwfill__is_in_range(step * d[k]) ? step * d[k] : 0);
-            pbwfill__split_parts(&n, x + k, w->rests.at[w->rests.count - 1].part[k]);
+            pbwfill__split_parts(w, &n, x + k, w->rests.at[w->rests.count - 1].part[k]);
         }
         found = pbwfill__sees_all(w, wedge->number, x);
     }
@@ -3409,14 +3426,14 @@ static pbw_status pbwfill__replace_wedges(pbwfill__work *w)
 static size_t pbwfill__list_wedge(pbwfill__work *w, int wedge)
 {
     size_t i, k, faces = 0;
-    w->rest.count = 0;
+    w->list.count = 0;
     pbwfill__clear(&w->table);
     for (i = 0; i < w->faces.count; i++) {
         const pbwfill__face *f = w->faces.at + i;
         faces += f->side == wedge;
         for (k = 0; f->side == wedge && k < 3; k++) {
             pbw_index *seen = pbwfill__put(w, &w->table, f->v[k], PBW_NONE, PBW_NONE);
-            if (seen == NULL || (*seen == PBW_NONE && !PBW_PUSH(&w->memory, w->rest, f->v[k]))) {
+            if (seen == NULL || (*seen == PBW_NONE && !PBW_PUSH(&w->memory, w->list, f->v[k]))) {
                 return PBW_NONE;
             }
             *seen = 0;
@@ -3435,14 +3452,13 @@ static int pbwfill__is_hub(const pbwfill__work *w, int wedge, pbw_index u, doubl
     for (exact = 0; exact < 2; exact++) {
         for (i = 0; i < w->faces.count && *depth > most; i++) {
             const pbwfill__face *f = w->faces.at + i;
-            const double *o = pbwfill__at(w, f->v[0]);
             if (f->side != wedge || f->v[0] == u || f->v[1] == u || f->v[2] == u) {
                 continue;
             }
             if (exact && pbwfill__orient(w, f->v[0], f->v[1], f->v[2], u) <= 0) {
                 return 0;
             }
-            *depth = fmin(*depth, f->n[0] * (x[0] - o[0]) + f->n[1] * (x[1] - o[1]) + f->n[2] * (x[2] - o[2]));
+            *depth = fmin(*depth, pbwfill__height(w, f->v, f->n, x));
         }
     }
     return *depth > most;
@@ -3456,11 +3472,11 @@ static pbw_index pbwfill__find_hub(pbwfill__work *w, int wedge)
     double most = 0;
     size_t i;
     pbwfill__find_normals(w, wedge);
-    for (i = 0; i < w->rest.count; i++) {
+    for (i = 0; i < w->list.count; i++) {
         double depth = most;
-        if (pbwfill__is_hub(w, wedge, w->rest.at[i], &depth)) {
+        if (pbwfill__is_hub(w, wedge, w->list.at[i], &depth)) {
             most = depth;
-            best = w->rest.at[i];
+            best = w->list.at[i];
         }
     }
     return best;
@@ -3837,7 +3853,7 @@ static pbw_status pbwfill__flip(pbwfill__work *w, pbwfill__flats *f, pbw_index a
         return PBW_ERROR_MEMORY;
     }
     pbwfill__normal(w, to[0].v, wedge.inward);
-    pbwfill__between_exactly(pbwfill__at(w, a), pbwfill__at(w, b), 0.5, wedge.from, &wedge.rest);
+    pbwfill__between_exactly(w, pbwfill__at(w, a), pbwfill__at(w, b), 0.5, wedge.from, &wedge.rest);
     wedge.v = b;
     wedge.wrapped = PBWFILL__WRAPPED;
     wedge.may_add = 1;
@@ -4268,13 +4284,13 @@ static int pbwfill__grow(pbwfill__work *w, pbw_index u, const double x[PBWFILL__
 }
 
 /* Puts those made in the place of the cavity.  *done: 0 if this has a wire, or a vertex before number `first` that is
-   not in `rest`. */
+   not in `list`. */
 static pbw_status pbwfill__replace_inside(pbwfill__work *w, size_t first, int *done)
 {
     size_t i;
     pbwfill__clear(&w->table);
-    for (i = 0; i < w->rest.count; i++) {
-        pbw_index *kept = pbwfill__put(w, &w->table, w->rest.at[i], PBW_NONE, PBW_NONE);
+    for (i = 0; i < w->list.count; i++) {
+        pbw_index *kept = pbwfill__put(w, &w->table, w->list.at[i], PBW_NONE, PBW_NONE);
         if (kept == NULL) {
             return PBW_ERROR_MEMORY;
         }
@@ -4311,7 +4327,7 @@ static pbw_status pbwfill__join_grown(pbwfill__work *w, pbw_index u, const doubl
         }
         w->sign.at[u] = 1;
     }
-    if (!pbwfill__list_faces(w) || pbwfill__list_wedge(w, 1) == PBW_NONE || !PBW_PUSH(&w->memory, w->rest, u)) {
+    if (!pbwfill__list_faces(w) || pbwfill__list_wedge(w, 1) == PBW_NONE || !PBW_PUSH(&w->memory, w->list, u)) {
         return PBW_ERROR_MEMORY;
     }
     status = pbwfill__join(w, 1, u);
@@ -4332,12 +4348,12 @@ static pbw_status pbwfill__remove_wide(pbwfill__work *w, pbwfill__star *star, si
     int k, pair;
     star->polygon.count = 0;                         /* the neighbours */
     if (!pbwfill__open_star(w, v) || !pbwfill__list_faces(w)
-        || !PBW_RESERVE(&w->memory, star->polygon, w->rest.count)) {
+        || !PBW_RESERVE(&w->memory, star->polygon, w->list.count)) {
         return PBW_ERROR_MEMORY;
     }
-    for (i = 0; i < w->rest.count; i++) {
-        star->polygon.at[star->polygon.count] = w->rest.at[i];
-        star->polygon.count += w->rest.at[i] != v || fine;
+    for (i = 0; i < w->list.count; i++) {
+        star->polygon.at[star->polygon.count] = w->list.at[i];
+        star->polygon.count += w->list.at[i] != v || fine;
     }
     for (pair = 0; pair < 2; pair++) {
         for (i = 0; i < star->polygon.count && !*done && status == PBW_OK && effort < PBWFILL__EFFORT; i++) {
@@ -4375,7 +4391,7 @@ static pbw_status pbwfill__remove_wide(pbwfill__work *w, pbwfill__star *star, si
     wedge.number = 1;
     wedge.region = w->region.at[w->cavity.at[0]];
     wedge.wrapped = PBWFILL__WRAPPED;
-    status = pbwfill__fill_wedge(w, &wedge);         /* `rest` has the vertices of the faces */
+    status = pbwfill__fill_wedge(w, &wedge);         /* `list` has the vertices of the faces */
     return status == PBW_OK ? pbwfill__replace_inside(w, first, done) : status == PBW_DEGENERATE ? PBW_OK : status;
 }
 
@@ -4602,19 +4618,12 @@ static pbw_index pbwfill__reach(const pbwfill__work *w, pbw_index t, const doubl
     return i == 4 ? t : PBW_NONE;
 }
 
-/* Whether the cavity ends across from corner k of its tetrahedron t. */
-static int pbwfill__ends_at(const pbwfill__work *w, pbw_index t, unsigned k)
-{
-    const pbwfill__tet *tet = w->tets.at + t;
-    return tet->n[k] == PBW_NONE || tet->wall[k] != PBW_NONE || w->seen.at[tet->n[k]] != w->epoch;
-}
-
-/* Takes tetrahedra with a face that p does not see out of the cavity, until none is left.  Returns the number of its
-   faces; 0: p does not see those of the tetrahedron that it is in. */
-static size_t pbwfill__trim_cavity(pbwfill__work *w, const double *p)
+/* Takes tetrahedra with a face that p does not see out of the cavity, until none is left.  Returns 0 if the one that p
+   is in would go, too. */
+static int pbwfill__trim_cavity(pbwfill__work *w, const double *p)
 {
     const pbw_index start = w->cavity.at[0];
-    size_t i, kept = 0, faces = 0;
+    size_t i, kept = 0;
     unsigned k, j;
     int changes = 1;
     while (changes && w->seen.at[start] == w->epoch) {
@@ -4637,39 +4646,10 @@ static size_t pbwfill__trim_cavity(pbwfill__work *w, const double *p)
         const pbw_index t = w->cavity.at[i];
         if (w->seen.at[t] == w->epoch) {
             w->cavity.at[kept++] = t;
-            for (k = 0; k < 4; k++) {
-                faces += (size_t)pbwfill__ends_at(w, t, k);
-            }
         }
     }
     w->cavity.count = kept;
-    return w->seen.at[start] == w->epoch ? faces : 0;
-}
-
-/* Lists the tetrahedra in conflict with p, from the one that it is in, up to facets.  Returns 0 without memory. */
-static int pbwfill__open_cavity(pbwfill__work *w, pbw_index start, const double *p)
-{
-    size_t i;
-    unsigned k;
-    w->epoch += 2;
-    w->cavity.count = 0;
-    w->seen.at[start] = w->epoch;
-    if (!PBW_PUSH(&w->memory, w->cavity, start)) {
-        return 0;
-    }
-    for (i = 0; i < w->cavity.count; i++) {
-        for (k = 0; k < 4; k++) {
-            const pbwfill__tet *t = w->tets.at + w->cavity.at[i];
-            const pbw_index n = t->n[k];
-            if (n != PBW_NONE && t->wall[k] == PBW_NONE && w->seen.at[n] < w->epoch) {
-                w->seen.at[n] = w->epoch + !pbwfill__is_in_conflict(w, w->tets.at + n, p);
-                if (w->seen.at[n] == w->epoch && !PBW_PUSH(&w->memory, w->cavity, n)) {
-                    return 0;
-                }
-            }
-        }
-    }
-    return 1;
+    return w->seen.at[start] == w->epoch;
 }
 
 /* Whether the cavity may be the star of p: p keeps its distance from vertices and facets; no vertex and no wire is
@@ -4709,16 +4689,13 @@ static int pbwfill__may_fill(pbwfill__inside *in, const double *p, double spacin
                 }
             }
             if (t->wall[k] != PBW_NONE) {
-                const double *a = pbwfill__at(w, t->v[PBW_FACET_CORNER(k, 0)]);
-                const double *b = pbwfill__at(w, t->v[PBW_FACET_CORNER(k, 1)]);
-                const double *c = pbwfill__at(w, t->v[PBW_FACET_CORNER(k, 2)]);
-                double n[3], height = 0;
+                double n[3];
+                pbw_index face[3];
                 for (j = 0; j < 3; j++) {
-                    const unsigned x = (j + 1) % 3, y = (j + 2) % 3;
-                    n[j] = (b[x] - a[x]) * (c[y] - a[y]) - (b[y] - a[y]) * (c[x] - a[x]);
-                    height += n[j] * (p[j] - a[j]);
+                    face[j] = t->v[PBW_FACET_CORNER(k, j)];
                 }
-                if (fabs(height) < fmin(0.35 * nearest, clearance) * sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2])) {
+                pbwfill__normal(w, face, n);
+                if (fabs(pbwfill__height(w, face, n, p)) < fmin(0.35 * nearest, clearance)) {
                     return 0;
                 }
             }
@@ -4735,14 +4712,14 @@ static pbw_status pbwfill__try_place(pbwfill__inside *in, pbw_index t, const dou
     const pbw_index vertex = (pbw_index)pbwfill__vertices(w), region = w->region.at[t];
     const double *low = pbwfill__at(w, (pbw_index)w->inputs), *high = pbwfill__at(w, (pbw_index)w->inputs + 7);
     double p[PBWFILL__PLACE] = { 0, 0, 0, 0 }, size;
-    size_t i, faces;
-    unsigned k, j;
+    size_t i;
+    int k;
     *taken = 0;
     for (k = 0; k < 3; k++) {
         if (!(wanted[k] > low[k] && wanted[k] < high[k])) {
             return PBW_OK;
         }
-        p[k] = floor(wanted[k] * 1024 + 0.5) / 1024;
+        p[k] = wanted[k];
     }
     pbwfill__round(w, p);
     t = pbwfill__reach(w, t, p);
@@ -4752,8 +4729,7 @@ static pbw_status pbwfill__try_place(pbwfill__inside *in, pbw_index t, const dou
     if (!pbwfill__open_cavity(w, t, p)) {
         return PBW_ERROR_MEMORY;
     }
-    faces = pbwfill__trim_cavity(w, p);
-    if (faces == 0 || !pbwfill__may_fill(in, p, spacing, clearance)) {
+    if (!pbwfill__trim_cavity(w, p) || !pbwfill__may_fill(in, p, spacing, clearance)) {
         return w->starved ? PBW_ERROR_MEMORY : PBW_OK;
     }
     size = HUGE_VAL;
@@ -4762,35 +4738,14 @@ static pbw_status pbwfill__try_place(pbwfill__inside *in, pbw_index t, const dou
         size = fmin(size, in->sizes.at[v]
                     + (w->how.growth > 0 ? w->how.growth : 0.3) * pbwfill__distance(p, pbwfill__at(w, v)));
     }
-    if (!pbwfill__reserve(w, faces) || !pbwfill__new_vertex(w, p) || !PBW_PUSH(&w->memory, in->sizes, size)
-        || (w->region.capacity < w->tets.count + faces
-            && !PBW_FIT(&w->memory, w->region, w->tets.count + faces + w->tets.count / 2))) {
+    if (!pbwfill__new_vertex(w, p) || !PBW_PUSH(&w->memory, in->sizes, size) || !pbwfill__make_star(w, vertex)) {
         return PBW_ERROR_MEMORY;
     }
-    pbwfill__clear(&w->table);
-    for (i = 0; i < 4 * w->cavity.count; i++) {
-        const pbw_index old = w->cavity.at[i / 4];
-        k = (unsigned)(i % 4);
-        if (pbwfill__ends_at(w, old, k)) {
-            const pbw_status status = pbwfill__make_tet(w, old, k, vertex);
-            const pbw_index made = w->at.at[vertex];
-            if (status != PBW_OK || !PBW_PUSH(&w->memory, in->next, made)) {
-                return PBW_ERROR_MEMORY;
-            }
-            w->region.at[made] = region;
-            w->seen.at[made] = 0;
-            for (j = 0; j < 4; j++) {
-                w->tets.at[made].wall[j] = j == k ? w->tets.at[made].wall[j] : PBW_NONE;
-            }
-        }
-    }
-    for (i = 0; i < w->cavity.count; i++) {
-        w->region.at[w->cavity.at[i]] = PBW_NONE;
-        if (!pbwfill__drop_tet(w, w->cavity.at[i])) {
+    for (i = 0; i < w->list.count; i++) {
+        if (!pbwfill__set_region(w, w->list.at[i], region) || !PBW_PUSH(&w->memory, in->next, w->list.at[i])) {
             return PBW_ERROR_MEMORY;
         }
     }
-    w->region.count = w->tets.count;
     w->report->inside_points++;
     *taken = 1;
     return PBW_OK;
@@ -4939,48 +4894,48 @@ static int pbwfill__next_cavity(pbwfill__work *w, pbw_index t, int number, doubl
     }
     for (k = 0; k < 3; k++) {
         middle[k] = number < 6 ? (pbwfill__at(w, a)[k] + pbwfill__at(w, b)[k]) / 2 : 0;
-        for (i = 0; i < w->rest.count && number >= 6; i++) {
-            middle[k] += (pbwfill__at(w, w->rest.at[i])[k] - middle[k]) / (double)(i + 1);
+        for (i = 0; i < w->list.count && number >= 6; i++) {
+            middle[k] += (pbwfill__at(w, w->list.at[i])[k] - middle[k]) / (double)(i + 1);
         }
     }
     return 1;
 }
 
-/* Takes added vertices off `rest` that are on no face of the cavity, and so may be dropped. */
+/* Takes added vertices off `list` that are on no face of the cavity, and so may be dropped. */
 static void pbwfill__drop_inner(pbwfill__work *w)
 {
     size_t i, kept = 0;
-    for (i = 0; i < w->rest.count; i++) {
-        w->touched.at[w->rest.at[i]] = 0;
+    for (i = 0; i < w->list.count; i++) {
+        w->touched.at[w->list.at[i]] = 0;
     }
     for (i = 0; i < 3 * w->faces.count; i++) {
         w->touched.at[w->faces.at[i / 3].v[i % 3]] = 1;
     }
-    for (i = 0; i < w->rest.count; i++) {
-        const pbw_index u = w->rest.at[i];
+    for (i = 0; i < w->list.count; i++) {
+        const pbw_index u = w->list.at[i];
         if (w->touched.at[u] || u < w->inputs + 8) {
-            w->rest.at[kept++] = u;
+            w->list.at[kept++] = u;
         }
     }
-    w->rest.count = kept;
+    w->list.count = kept;
 }
 
-/* Whether all vertices of `rest` are in tetrahedra made. */
+/* Whether all vertices of `list` are in tetrahedra made. */
 static int pbwfill__made_of_all(pbwfill__work *w)
 {
     size_t i;
     unsigned k;
     int all = 1;
-    for (i = 0; i < w->rest.count; i++) {
-        w->touched.at[w->rest.at[i]] = 0;
+    for (i = 0; i < w->list.count; i++) {
+        w->touched.at[w->list.at[i]] = 0;
     }
     for (i = 0; i < w->made.count; i++) {
         for (k = 0; k < 4; k++) {
             w->touched.at[w->made.at[i].v[k]] = 1;
         }
     }
-    for (i = 0; i < w->rest.count; i++) {
-        all &= w->touched.at[w->rest.at[i]];
+    for (i = 0; i < w->list.count; i++) {
+        all &= w->touched.at[w->list.at[i]];
     }
     return all;
 }
@@ -4990,8 +4945,8 @@ static pbw_status pbwfill__join_inside(pbwfill__work *w, double x[PBWFILL__PLACE
 {
     double reach = 0;
     size_t i;
-    for (i = 0; i < w->rest.count; i++) {
-        reach = fmax(reach, pbwfill__distance(x, pbwfill__at(w, w->rest.at[i])));
+    for (i = 0; i < w->list.count; i++) {
+        reach = fmax(reach, pbwfill__distance(x, pbwfill__at(w, w->list.at[i])));
     }
     pbwfill__climb(w, 1, x, reach / 4, 60);
     if (!pbwfill__sees_all(w, 1, x)) {
@@ -5516,7 +5471,7 @@ static void pbwfill__release(pbwfill__work *w)
     PBW_RELEASE(m, w->covered.slots);
     PBW_RELEASE(m, w->segments.slots);
     PBW_RELEASE(m, w->cavity);
-    PBW_RELEASE(m, w->rest);
+    PBW_RELEASE(m, w->list);
     PBW_RELEASE(m, w->faces);
     PBW_RELEASE(m, w->made);
     PBW_RELEASE(m, w->sign);
