@@ -855,7 +855,8 @@ static void test_fork(void)
 #endif
 }
 
-/* Points that move, one by one and by several threads, to where others are, were, or will be. */
+/* Points that move, one by one and by several threads, to where others are, were, or will be; with a table of places,
+   which the first insertion makes, and without. */
 static void test_taken_places(void)
 {
     static const int threads[3] = { 1, 2, 5 };
@@ -866,7 +867,7 @@ static void test_taken_places(void)
             if (!test_begin("moves to a place, %s: %dD", names[way], dim)) {
                 continue;
             }
-            for (i = 0; i < 3; i++) {
+            for (i = 0; i < 6; i++) {
                 pbw_options options;
                 pbw_live *live;
                 pbw_mesh mesh;
@@ -877,16 +878,18 @@ static void test_taken_places(void)
                 model_start(&m, dim, 23 + (uint64_t)way);
                 CHECK_EQUAL(model_random(&m, UNIFORM, 3000, 0, &points, &mesh), PBW_OK);
                 memset(&options, 0, sizeof options);
-                options.threads = threads[i];
+                options.threads = threads[i % 3];
                 CHECK_EQUAL(pbw_live_create(&mesh, &options, &live), PBW_OK);
+                CHECK(i < 3 || (model_change(&m, live, UNIFORM, 0) && pbw_live_commit(live, NULL) == PBW_OK));
                 for (at = 0; at + 10 < m.count; at += 5) {
                     const pbw_index id = (pbw_index)at;
                     const size_t turn = at % 45, pair = at - turn;       /* most move a little: one by one then */
                     const double *other = points + (way == 2 ? pair + 7 : at + (way == 0 ? 1 : 5)) * (size_t)dim;
                     double *to = m.points + 3 * at;
+                    const int takes = at < (i < 3 ? m.count : 45);       /* one alone may stay unnoticed later */
                     for (k = 0; k < (size_t)dim; k++) {
-                        to[k] = (turn == 0 && way < 3) || (turn == 5 && way == 2) ? other[k] + (way == 2 ? 1e-3 : 0.0)
-                              : to[k] + 0.01 * (other[k] - to[k]);
+                        to[k] = takes && ((turn == 0 && way < 3) || (turn == 5 && way == 2))
+                              ? other[k] + (way == 2 ? 1e-3 : 0.0) : to[k] + 0.01 * (other[k] - to[k]);
                     }
                     CHECK_EQUAL(pbw_live_move(live, &id, to, 1), PBW_OK);
                 }

@@ -3552,6 +3552,7 @@ typedef struct pbwl__changing {
     pbw_status (*change)(void *arg, pbwl__core *core, size_t i, pbw_index near);
     size_t count, slots, most_effort;                /* slots: per change; a task without free ones stops */
     double begin, end;                               /* of the stage's progress */
+    int once;                                        /* only the first round: others are left for another change */
     /* of a round */
     pbwl__core *core;
     const pbw_index *which;                          /* the changes of this round; NULL: all */
@@ -3815,13 +3816,14 @@ static int pbwl__batch_parts(const pbwl__core *core, size_t count, size_t least)
     return core->kernel.weighted ? 1 : (int)(most < parts ? most : parts);
 }
 
-/* Makes all changes of a batch, or if `again` those in kernel.left, which then has those that are left. */
+/* Makes all changes of a batch, or if `again` those in kernel.left, which then has those that are left: none, unless
+   they cannot be made, or all but the first round is for another change. */
 static pbw_status pbwl__batch_all(pbwl__core *core, pbwl__changing *batch, int again)
 {
     pbw__kernel *kernel = &core->kernel;
     pbw_status status = PBW_OK;
     const size_t vertices = core->vertex_count + 1;
-    size_t before, needed, part;
+    size_t before, needed, part, rounds = 0;
     batch->core = core;
     batch->stop = 0;
     batch->which = again ? kernel->left : NULL;
@@ -3838,10 +3840,14 @@ static pbw_status pbwl__batch_all(pbwl__core *core, pbwl__changing *batch, int a
         status = pbwl__batch_round(batch);
         batch->which = kernel->left;
         batch->round_count = kernel->left_count;
-        batch->parts = 4 * batch->round_count >= 3 * before ? 1
+        batch->parts = batch->once || 4 * batch->round_count >= 3 * before ? 1
                      : pbwl__batch_parts(core, batch->round_count, PBWL__LEAST_LEFT);
+        rounds++;
     }
     pbw__release(&kernel->context->memory, batch->owner, batch->owner != NULL ? vertices : 0, 1);
+    if (batch->once && rounds > 0) {
+        return status;
+    }
     needed = batch->slots * batch->round_count + 64;
     for (part = 0; part < core->tasks && kernel->slots.free_count < needed; part++) {
         pbwl__move_slots(core, core->task[part], core, needed - kernel->slots.free_count);
@@ -3876,18 +3882,26 @@ static size_t pbwl__place_find(const pbwl__core *core, const double *x)
 }
 
 /* Puts a vertex into an empty entry of the table, by compare-and-swap, as tasks compete.  Returns the entry, or
-   PBW_NONE if a vertex is at the same place. */
-PBW__INLINE pbw_index pbwl__place_enter(pbwl__core *core, const double *x, pbw_index vertex)
+   PBW_NONE if a vertex is at the same place.  moving (may be NULL): one of those that move may be going there, too. */
+PBW__INLINE pbw_index pbwl__place_enter(pbwl__core *core, const double *x, pbw_index vertex, const pbw_live *moving)
 {
+    const int dim = core->kernel.dim;
     size_t at = pbwl__place_slot(core, x);
     pbw_index v = PBW__LOAD(core->place + at);
     while (v != 0 || !PBW__CAS(core->place + at, &v, vertex)) {
         if (v == 0) {
             continue;                                /* a spurious failure */
         }
-        if (v != vertex && pbw__same_place(pbwl__core_record(core, v), x, core->kernel.dim)
+        if (v != vertex && pbw__same_place(pbwl__core_record(core, v), x, dim)
             && core->incident[v] != PBWL__VERTEX_REMOVED) {
             return PBW_NONE;
+        }
+        if (v != vertex && moving != NULL) {
+            const size_t i = core->link_index[v];
+            if (i < moving->leaving_count && moving->leaving[i] == v
+                && pbw__same_place(moving->moved + i * (size_t)dim, x, dim)) {
+                return PBW_NONE;
+            }
         }
         at = (at + 1) & (core->place_capacity - 1);
         v = PBW__LOAD(core->place + at);
@@ -3909,7 +3923,7 @@ static pbw_status pbwl__place_fill(void *arg, size_t from, size_t to)
         const size_t soon = v + 16 <= to ? v + 16 : v;
         PBW__PREFETCH_TO_WRITE(core->place + pbwl__place_slot(core, pbwl__core_record(core, (pbw_index)soon)));
         if (core->incident[v] != PBWL__VERTEX_REMOVED) {
-            (void)pbwl__place_enter(core, pbwl__core_record(core, (pbw_index)v), (pbw_index)v);
+            (void)pbwl__place_enter(core, pbwl__core_record(core, (pbw_index)v), (pbw_index)v, NULL);
             placed++;
         }
     }
@@ -4291,7 +4305,7 @@ static pbw_status pbwl__arrive_enter(void *arg, size_t from, size_t to)
     size_t i;
     for (i = from; i < to; i++) {
         const pbw_index id = live->joining[i], v = live->arriving[i], soon = live->joining[i + 16 < to ? i + 16 : i];
-        const pbw_index at = pbwl__place_enter(core, pbwl__core_record(core, v), v);
+        const pbw_index at = pbwl__place_enter(core, pbwl__core_record(core, v), v, NULL);
         pbwl__place_prefetch(core, pbwl__core_record(core, live->arriving[i + 16 < to ? i + 16 : i]), 0);
         pbwl__place_prefetch(core, pbwl__core_record(core, live->arriving[i + 8 < to ? i + 8 : i]), 1);
         PBW__PREFETCH_TO_WRITE(core->vertex + soon);
@@ -4439,12 +4453,16 @@ static pbw_status pbwl__fit_range(void *arg, size_t from, size_t to)
     pbwl__fitting *fitting = (pbwl__fitting *)arg;
     const pbwl__core *core = &fitting->live->core;
     const int dim = fitting->live->dim;
+    const int width = fitting->list != NULL ? dim + 1 : dim;             /* weights stay where points move */
     const double unit = core->grid.inverse_unit;
     int k;
     for (; from < to && !PBW__LOAD(&fitting->beyond); from++) {
-        const double *x = pbwl__core_record(core, fitting->list[from]);
-        PBW__PREFETCH(pbwl__core_record(core, fitting->list[from + 16 < to ? from + 16 : from]));
-        for (k = 0; k <= dim; k++) {
+        const double *x = fitting->live->moved + from * (size_t)dim;
+        if (fitting->list != NULL) {
+            PBW__PREFETCH(pbwl__core_record(core, fitting->list[from + 16 < to ? from + 16 : from]));
+            x = pbwl__core_record(core, fitting->list[from]);
+        }
+        for (k = 0; k < width; k++) {
             const double units = x[k] * (k < dim ? unit : unit * unit);
             if (!(x[k] >= core->low[k] && x[k] <= core->high[k]
                   && (pbw__abs(units) >= 9007199254740992.0 || (double)(int64_t)units == units))) {
@@ -4456,7 +4474,8 @@ static pbw_status pbwl__fit_range(void *arg, size_t from, size_t to)
     return PBW_OK;
 }
 
-/* Gives up the grid if a new record is not on it, or outside of the box that it was made for. */
+/* Gives up the grid if a new record is not on it, or outside of the box that it was made for: that of a vertex in
+   the list, or if list is NULL of one that moves. */
 static pbw_status pbwl__fit_grid(pbw_live *live, const pbw_index *list, size_t count)
 {
     pbwl__core *core = &live->core;
@@ -4691,6 +4710,7 @@ static size_t pbwl__list_moving(void *arg, size_t from, size_t to, size_t at)
         PBW__PREFETCH(pbwl__point(live, soon));
         if (both == (PBWL__OLD_PLACE | PBWL__NEW_PLACE) && core->twin[id] == id) {
             if (at != PBWL__COUNT) {
+                core->link_index[core->vertex[id]] = (pbw_index)(at + found);
                 memcpy(live->moved + (at + found) * dim, pbwl__point(live, id), dim * sizeof(double));
                 live->leaving[at + found] = core->vertex[id];
             }
@@ -4722,8 +4742,8 @@ static pbw_status pbwl__in_place(pbw_live *live, pbw_changes *changes)
     pbwl__core *core = &live->core;
     pbw_status status;
     pbwl__batch_begin(live);
+    status = pbwl__fit_grid(live, NULL, live->leaving_count);
     pbwl__live_exchange(live);
-    status = pbwl__fit_grid(live, live->leaving, live->leaving_count);
     status = status == PBW_OK ? pbwl__verify(core, core->simplex_count / 2 + 64) : status;
     if (status == PBW_OK && changes != NULL) {
         status = pbwl__batch_changes(live, changes);
@@ -4857,7 +4877,7 @@ static pbw_status pbwl__change_place(void *arg, pbwl__core *core, size_t i, pbw_
          : live->dim == 2 ? PBW__DEFERRED : pbwl__change_again(live, core, i, near);
 }
 
-/* Enters the new places into the table.  PBWL__REBUILD: a vertex is at one of them. */
+/* Enters a range of the new places into the table.  PBWL__REBUILD: a vertex is or will be at one of them. */
 static pbw_status pbwl__shift_enter(void *arg, size_t from, size_t to)
 {
     pbw_live *live = (pbw_live *)arg;
@@ -4868,7 +4888,7 @@ static pbw_status pbwl__shift_enter(void *arg, size_t from, size_t to)
         const double *x = live->moved + i * dim;
         pbwl__place_prefetch(core, live->moved + (i + 16 < to ? i + 16 : i) * dim, 0);
         pbwl__place_prefetch(core, live->moved + (i + 8 < to ? i + 8 : i) * dim, 1);
-        live->edit[i] = pbwl__edit_of(PBWL__EDIT_PLACE, pbwl__place_enter(core, x, live->leaving[i]), 0);
+        live->edit[i] = pbwl__edit_of(PBWL__EDIT_PLACE, pbwl__place_enter(core, x, live->leaving[i], live), 0);
         if (live->edit[i].at == PBW_NONE) {
             return PBWL__REBUILD;
         }
@@ -4876,43 +4896,21 @@ static pbw_status pbwl__shift_enter(void *arg, size_t from, size_t to)
     return PBW_OK;
 }
 
-/* With the new places in the records, tests that no two vertices are at one place.  PBWL__REBUILD: two are. */
-static pbw_status pbwl__shift_unique(void *arg, size_t from, size_t to)
-{
-    const pbw_live *live = (const pbw_live *)arg;
-    const pbwl__core *core = &live->core;
-    for (; from < to; from++) {
-        const double *x = pbwl__core_record(core, live->leaving[from]);
-        PBW__PREFETCH(pbwl__core_record(core, live->leaving[from + 8 < to ? from + 8 : from]));
-        if (core->place[pbwl__place_find(core, x)] != live->leaving[from]) {
-            return PBWL__REBUILD;
-        }
-    }
-    return PBW_OK;
-}
-
-/* Enters all new places into the table, if there is one.  PBWL__REBUILD: a vertex is, or was, at one of them. */
+/* Enters all new places into the table, if there is one.  PBWL__REBUILD: a vertex is at one of them, or two go there. */
 static pbw_status pbwl__shift_places(pbw_live *live)
 {
     pbwl__core *core = &live->core;
     pbw__context *context = core->kernel.context;
     const size_t count = live->leaving_count;
-    const int placed = core->place != NULL;
-    pbw_status status = PBW_OK;
-    if (placed && !pbwl__edits(live, count)) {
+    pbw_status status = pbwl__fit_grid(live, NULL, count);
+    if (status != PBW_OK || core->place == NULL) {
+        return status;
+    }
+    if (!pbwl__edits(live, count)) {
         return PBW_ERROR_MEMORY;
     }
-    if (placed) {
-        core->placed += count;
-        status = pbw__for_range(context, count, PBW__SMALLER(2048), 0.0, pbwl__shift_enter, live);
-    }
-    pbwl__live_exchange(live);
-    status = status == PBW_OK ? pbwl__fit_grid(live, live->leaving, count) : status;
-    if (status == PBW_OK && placed) {
-        status = pbw__for_range(context, count, PBW__SMALLER(2048), 0.0, pbwl__shift_unique, live);
-    }
-    pbwl__live_exchange(live);
-    return status;
+    core->placed += count;
+    return pbw__for_range(context, count, PBW__SMALLER(2048), 0.0, pbwl__shift_enter, live);
 }
 
 /* Moves vertices one by one along the curve. */
@@ -4928,6 +4926,7 @@ static pbw_status pbwl__shift_all(pbw_live *live, size_t most_effort)
     batch.change = pbwl__change_place;
     batch.count = count;
     batch.slots = live->dim == 3 ? 2 : 0;            /* a removal frees slots, perhaps of another task */
+    batch.once = live->dim == 2;
     batch.most_effort = most_effort;
     batch.end = 0.9;
     core->effort = core->reinserted = core->untested_count = 0;
@@ -4939,6 +4938,7 @@ static pbw_status pbwl__shift_all(pbw_live *live, size_t most_effort)
             status = pbwl__flip_all(core, core->untested_count, core->saved_simplices);
         }
         batch.change = pbwl__change_again;
+        batch.once = 0;
         batch.begin = 0.9;
         batch.end = 1.0;
         status = status == PBW_OK ? pbwl__batch_all(core, &batch, 1) : status;
@@ -4946,14 +4946,16 @@ static pbw_status pbwl__shift_all(pbw_live *live, size_t most_effort)
     return status;
 }
 
-/* Moves a few of the vertices one by one, all or nothing.  PBWL__REBUILD: impossible one by one. */
-static pbw_status pbwl__shift(pbw_live *live, size_t count, size_t most_effort, pbw_changes *changes,
-                              pbw_way *way)
+/* Moves a few of the vertices one by one, all or nothing.  listed: the status of listing them, PBWL__UNSUITED if they
+   are still to be listed.  PBWL__REBUILD: impossible one by one. */
+static pbw_status pbwl__shift(pbw_live *live, pbw_status listed, size_t count, size_t most_effort,
+                              pbw_changes *changes, pbw_way *way)
 {
     pbwl__core *core = &live->core;
     const int placed = core->place != NULL;
     size_t i;
-    pbw_status status = core->kernel.weighted ? PBWL__REBUILD : pbwl__list_moves(live, count);
+    pbw_status status = core->kernel.weighted ? PBWL__REBUILD
+                      : listed == PBWL__UNSUITED ? pbwl__list_moves(live, count) : listed;
     status = status == PBW_OK ? pbwl__batch_reserve(live, count, 0, placed) : status;
     if (status != PBW_OK) {
         return status;
@@ -5198,6 +5200,7 @@ static pbw_status pbwl__choose(pbw_live *live, pbw__context *context, int in_pla
     pbwl__classes classes = { live, 0, 0 };
     size_t leave, arrive;
     int near;
+    pbw_status listed = PBWL__UNSUITED;
     pbw_status status = pbw__for_range(context, live->queue_count, PBW__SMALLER(2048), 0.0, pbwl__classify_range,
                                        &classes);
     if (status != PBW_OK) {
@@ -5211,7 +5214,8 @@ static pbw_status pbwl__choose(pbw_live *live, pbw__context *context, int in_pla
     }
     near = live->core.simplex_count > 0 && leave == arrive && pbwl__near(live);
     if (near && in_place && (double)leave >= PBWL__VERIFY_AT(live->dim) * points) {
-        status = pbwl__try_moves(live, pbwl__list_moves(live, leave), changes, way);
+        listed = pbwl__list_moves(live, leave);
+        status = pbwl__try_moves(live, listed, changes, way);
     }
     if (status == PBWL__REBUILD && live->core.simplex_count > 0 && live->weighted == live->core.kernel.weighted
         && pbwl__change_cost(live->dim, leave, arrive, near && !live->weighted)
@@ -5219,7 +5223,7 @@ static pbw_status pbwl__choose(pbw_live *live, pbw__context *context, int in_pla
         if (pbw__enter_stage(context, PBW_STAGE_WORK)) {
             return PBW_CANCELLED;
         }
-        status = !near ? PBWL__REBUILD : pbwl__shift(live, leave, most, changes, way);
+        status = !near ? PBWL__REBUILD : pbwl__shift(live, listed, leave, most, changes, way);
         if (status == PBWL__REBUILD) {
             pbwl__changes_release(&context->memory, changes);
             status = pbwl__batch(live, leave, arrive, most, changes);
