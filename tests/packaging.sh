@@ -165,7 +165,7 @@ for compiler in $compilers; do
     case "$(uname -m) $($compiler --version)" in
     *x86_64*clang*)
         if command -v objdump > /dev/null; then
-            $compiler -std=gnu99 -O0 -mfma -ffp-contract=on -I. -c "$work/fused.c" \
+            $compiler -std=gnu99 -O0 -DPBW_STATIC -mfma -ffp-contract=on -I. -c "$work/fused.c" \
                 -o "$work/fused.o"
             objdump -d "$work/fused.o" | sed -n '/<fused>:/,/ret/p' > "$work/fused"
             check "$compiler: contracts the code after the implementation" grep -q vfmadd "$work/fused"

@@ -373,7 +373,7 @@ async function test_rivals() {
   check('find of d3-delaunay', Array.from({ length: 300 }, () => [random(), random()])
     .every(at => ours.find(...at) === theirs.find(...at)));
   for (const size of [3, 5, 20, 300]) check_like_d3(D3, size);
-  for (const count of [1000, 100000, 1000000]) {
+  for (const count of [1000, 100000]) {
     const points = randoms(2 * count), times = [[], []];
     for (let k = 0; k < 5; k++) {
       [Delaunay, Rival].forEach((make, i) => {
