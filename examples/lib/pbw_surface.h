@@ -972,8 +972,9 @@ typedef struct pbwsf__node {
     pbw_index apex;                        /* the corner that all of them have; PBW_NONE: there is none */
 } pbwsf__node;
 
-typedef struct pbwsf__slab {               /* boxes of the triangles of a leaf */
+typedef struct pbwsf__slab {               /* of the triangles of a leaf */
     float low[3][PBWSF__LEAF], high[3][PBWSF__LEAF];
+    pbw_index proof[3][PBWSF__LEAF];       /* corners whose stars are a proof, or PBW_NONE: see pbwsf__settle_range */
 } pbwsf__slab;
 
 typedef struct pbwsf__search {
@@ -1002,7 +1003,7 @@ typedef struct pbwsf__search {
     size_t first_leaf, node_count;         /* node first_leaf + j has the triangles 4 j .. 4 j + 3 of items; nodes
                                               from node_count on are not there: they would have none */
     double least;                          /* see pbwsf__side_of */
-    PBW_ARRAY(pbwsf__keys) pairs;          /* per range of leaves: pairs of triangles that meet elsewhere */
+    PBW_ARRAY(pbwsf__keys) pairs;          /* per node of a level: pairs of triangles that meet elsewhere */
 } pbwsf__search;
 
 static int pbwsf__search_progress(void *user, pbw_stage stage, double done)
@@ -1616,46 +1617,39 @@ static int pbwsf__nodes_meet(const pbwsf__search *s, size_t i, size_t k)
         && (f->apex == PBW_NONE || pbwsf__reaches(s, f, b)) && (g->apex == PBW_NONE || pbwsf__reaches(s, g, a));
 }
 
-/* Returns whether two triangles have a corner in common that is a proof that they have no more in common than corners
-   and sides. */
-static int pbwsf__are_settled(const pbwsf__search *s, const pbw_index *c, const pbw_index *d)
-{
-    int i;
-    for (i = 0; i < 3; i++) {
-        if (((c[i] == d[0]) | (c[i] == d[1]) | (c[i] == d[2])) && s->stars.at[c[i]].signs) {
-            return 1;
-        }
-    }
-    return 0;
-}
-
 /* Tests items i and k, and keeps the pair if they meet. */
 static int pbwsf__test_pair(const pbwsf__search *s, size_t i, size_t k, pbwsf__keys *pairs)
 {
-    const pbw_index *c = s->corners.at + 3 * i, *d = s->corners.at + 3 * k;
     pbwsf__triangle t, u;
-    if (pbwsf__are_settled(s, c, d)) {
-        return 1;
-    }
-    pbwsf__load_triangle(s, c, s->items.at[i], &t);
-    pbwsf__load_triangle(s, d, s->items.at[k], &u);
+    pbwsf__load_triangle(s, s->corners.at + 3 * i, s->items.at[i], &t);
+    pbwsf__load_triangle(s, s->corners.at + 3 * k, s->items.at[k], &u);
     return !pbwsf__boxes_meet(t.low, t.high, u.low, u.high) || !pbwsf__meet(s, &t, &u)
         || PBW_PUSH(s->memory, *pairs, t.id < u.id ? (uint64_t)t.id << 32 | u.id : (uint64_t)u.id << 32 | t.id);
 }
 
-/* Tests the triangles of two leaves against each other, or of one. */
+/* Tests the triangles of two leaves against each other, or of one, but for those with a proof in common. */
 static int pbwsf__test_leaves(const pbwsf__search *s, size_t a, size_t b, pbwsf__keys *pairs)
 {
     const pbwsf__slab *p = s->slabs.at + a, *q = s->slabs.at + b;
-    int i, k, good = 1;
+    int i, j, k, good = 1;
     for (i = 0; i < PBWSF__LEAF; i++) {
-        int meets[PBWSF__LEAF];
+        int meets[PBWSF__LEAF], any = 0;
         for (k = 0; k < PBWSF__LEAF; k++) {
             meets[k] = (p->low[0][i] <= q->high[0][k]) & (p->high[0][i] >= q->low[0][k])
                      & (p->low[1][i] <= q->high[1][k]) & (p->high[1][i] >= q->low[1][k])
                      & (p->low[2][i] <= q->high[2][k]) & (p->high[2][i] >= q->low[2][k]);
         }
-        for (k = a == b ? i + 1 : 0; k < PBWSF__LEAF; k++) {
+        for (j = 0; j < 3; j++) {
+            const pbw_index c = p->proof[j][i];
+            for (k = 0; k < PBWSF__LEAF; k++) {
+                meets[k] &= (c == PBW_NONE)
+                          | ((q->proof[0][k] != c) & (q->proof[1][k] != c) & (q->proof[2][k] != c));
+            }
+        }
+        for (k = 0; k < PBWSF__LEAF; k++) {
+            any |= meets[k];
+        }
+        for (k = a == b ? i + 1 : 0; k < PBWSF__LEAF && any; k++) {
             good = good && (!meets[k] || pbwsf__test_pair(s, PBWSF__LEAF * a + (size_t)i, PBWSF__LEAF * b + (size_t)k,
                                                           pairs));
         }
@@ -1663,26 +1657,32 @@ static int pbwsf__test_leaves(const pbwsf__search *s, size_t a, size_t b, pbwsf_
     return good;
 }
 
-/* Tests the triangles of leaf `at` against each other and those of later leaves. */
-static int pbwsf__test_leaf(const pbwsf__search *s, size_t leaf, pbwsf__keys *pairs)
+/* Tests the triangles below a node against each other and those of later leaves: pairs of nodes whose boxes meet are
+   replaced by those of their children, down to leaves. */
+static int pbwsf__test_node(const pbwsf__search *s, size_t node, pbwsf__keys *pairs)
 {
-    size_t stack[PBWSF__DEPTH], i;
-    int depth = 0, good = pbwsf__test_leaves(s, leaf, leaf, pairs);
-    for (i = s->first_leaf + leaf; i > 0; i = (i - 1) / 2) {         /* the nodes on the right of the way up */
+    size_t stack[4 * PBWSF__DEPTH][2], i, k;
+    int depth = 0, good = 1;
+    for (i = node; i > 0; i = (i - 1) / 2) {         /* with the nodes on the right of the way up */
         if (i % 2 == 1) {
-            stack[depth++] = i + 1;
+            stack[depth][0] = node;
+            stack[depth++][1] = i + 1;
         }
     }
-    while (depth > 0 && good) {
-        const size_t at = stack[--depth];
-        if (at >= s->node_count || !pbwsf__nodes_meet(s, s->first_leaf + leaf, at)) {
+    stack[depth][0] = stack[depth][1] = node;
+    for (depth++; depth > 0 && good; ) {
+        const size_t a = stack[--depth][0], b = stack[depth][1];
+        if (a >= s->node_count || b >= s->node_count || (a != b && !pbwsf__nodes_meet(s, a, b))) {
             continue;
         }
-        if (at < s->first_leaf) {
-            stack[depth++] = 2 * at + 1;
-            stack[depth++] = 2 * at + 2;
-        } else {
-            good = pbwsf__test_leaves(s, leaf, at - s->first_leaf, pairs);
+        if (a >= s->first_leaf && b >= s->first_leaf) {
+            good = pbwsf__test_leaves(s, a - s->first_leaf, b - s->first_leaf, pairs);
+        }
+        for (i = 0; i < 2 && b < s->first_leaf; i++) {               /* a is on the level of b, or below it */
+            for (k = 0; k < (b < a ? 1 : a == b ? i + 1 : 2); k++) {
+                stack[depth][0] = b < a ? a : 2 * a + 1 + k;
+                stack[depth++][1] = 2 * b + 1 + i;
+            }
         }
     }
     return good;
@@ -1777,7 +1777,7 @@ static pbw_status pbwsf__segment_range(void *arg, size_t from, size_t to)
    >>faults       All that is wrong with a surface.
    In: points and triangles.  Out: lists of faults.
    ------------------------------------------------------------------------------------------------------ */
-enum { PBWSF__LEAVES = 16 };               /* in one range of pbw_for */
+enum { PBWSF__LEAVES = 16 };               /* below a node that is searched at once: a power of two */
 
 /* Returns signs of the triangle's area along the axes that are certain: bit k, positive along axis k; 3 + k,
    negative.  The filter is that of pbwsf__side_of: here the error is at most (3 + 16 2^-53) 2^-53 of the sum. */
@@ -1968,8 +1968,10 @@ static pbw_status pbwsf__leaf_range(void *arg, size_t from, size_t to)
             }
             pbwsf__extend(leaf->low, leaf->high, own.low, own.high);
             for (k = 0; k < 3; k++) {
+                const pbw_index c = i < end ? s->corners.at[3 * i + k] : PBW_NONE;
                 slab->low[k][i - first] = pbwsf__float_of(own.low[k]);
                 slab->high[k][i - first] = pbwsf__float_of(own.high[k]);
+                slab->proof[k][i - first] = i < end && s->stars.at[c].signs ? c : PBW_NONE;
             }
         }
     }
@@ -2023,21 +2025,21 @@ static pbw_status pbwsf__plant(pbwsf__search *s)
 static pbw_status pbwsf__pair_range(void *arg, size_t from, size_t to)
 {
     pbwsf__search *s = (pbwsf__search *)arg;
-    pbwsf__keys *pairs = s->pairs.at + from / PBWSF__LEAVES;
     for (; from < to; from++) {
-        if (!pbwsf__test_leaf(s, from, pairs)) {
+        if (!pbwsf__test_node(s, s->first_node + from, s->pairs.at + from)) {
             return PBW_ERROR_MEMORY;
         }
     }
     return PBW_OK;
 }
 
-/* Fills the pairs of each range of leaves. */
+/* Fills the pairs of each node of a level. */
 static pbw_status pbwsf__find_pairs(pbwsf__search *s)
 {
-    const size_t leaves = (s->items.count + PBWSF__LEAF - 1) / PBWSF__LEAF;
+    const size_t leaves = (s->items.count + PBWSF__LEAF - 1) / PBWSF__LEAF, most = (s->first_leaf + 1) / PBWSF__LEAVES;
+    s->first_node = most > 0 ? most - 1 : 0;
     return !PBW_ZEROS(s->memory, s->pairs, leaves / PBWSF__LEAVES + 1) ? PBW_ERROR_MEMORY
-         : pbw_for(pbwsf__next_part(s, 0.25, 0), leaves, PBWSF__LEAVES, pbwsf__pair_range, s);
+         : pbw_for(pbwsf__next_part(s, 0.25, 0), (leaves + PBWSF__LEAVES - 1) / PBWSF__LEAVES, 1, pbwsf__pair_range, s);
 }
 
 /* Puts `count` items of `each` numbers in an order. */
