@@ -1764,6 +1764,97 @@ static void test_failures(void)
     test_end();
 }
 
+/* Cuts one triangle by segments in its plane.  Returns how many places there are where two of them cross, -1 without
+   memory; they are those that comparing all segments finds, in that order, if `all` is not 0. */
+static long count_places(double (*ends)[3], size_t segments, int all)
+{
+    static const double corner[3][3] = { { -9, -9, -9 }, { 9, -9, 0 }, { 0, 9, 4 } };
+    static const pbw_index triangle[3] = { 0, 1, 2 };
+    pbwm3__work w;
+    pbwm3__cutting c;
+    size_t i, k, at;
+    long count = -1;
+    memset(&w, 0, sizeof w);
+    memset(&c, 0, sizeof c);
+    pbw_memory_start(&w.memory, NULL);
+    w.surface.points = corner[0];
+    w.surface.triangles = triangle;
+    if (PBW_ZEROS(&w.memory, c.first, 2) && PBW_FIT(&w.memory, c.pairs, segments)
+        && PBW_ZEROS(&w.memory, c.layer, segments) && PBW_FIT(&w.memory, c.places, 2 * segments)) {
+        for (i = 0; i < segments; i++) {
+            c.pairs.at[i] = i;
+        }
+        c.first.at[1] = segments;
+        memcpy(c.places.at, ends, 2 * segments * sizeof *ends);
+        c.places.count = 2 * segments;
+        count = pbwm3__find_places(&w, &c, 0) ? (long)c.extra.count : -1;
+    }
+    for (i = at = 0; all && i < c.spans.count; i++) {
+        for (k = i + 1; k < c.spans.count; k++) {
+            if (pbwm3__spans_cross(c.spans.at + i, c.spans.at + k)) {
+                double p[3];
+                CHECK(at < c.extra.count && c.extra.at[at][0] == 0 && c.extra.at[at][1] == 2 * segments + at);
+                memcpy(p, c.places.at[2 * segments + at++], sizeof p);
+                CHECK(fabs(pbwsf__distance(p, c.places.at[2 * c.spans.at[i].pair])
+                           + pbwsf__distance(p, c.places.at[2 * c.spans.at[i].pair + 1])
+                           - pbwsf__distance(c.places.at[2 * c.spans.at[i].pair],
+                                             c.places.at[2 * c.spans.at[i].pair + 1])) < 1e-9);
+            }
+        }
+    }
+    CHECK(!all || (long)at == count);
+    pbwm3__free_cutting(&w, &c);
+    CHECK(w.memory.used == 0);
+    return count;
+}
+
+/* Segments in one triangle: where they cross, and that many that lie beside each other take no time for each pair: of
+   40,000, comparing all takes six seconds. */
+static void test_places(void)
+{
+    enum { MOST = 40000 };
+    static double ends[2 * MOST][3];
+    const size_t most = MOST;
+    double seconds;
+    size_t i, k;
+    int turn;
+    if (!test_begin("places where segments cross")) {
+        return;
+    }
+    for (turn = 0; turn < 40; turn++) {              /* at random; in each second turn, of lattice points */
+        for (i = 0; i < 60; i++) {
+            double x[2];
+            for (k = 0; k < 2; k++) {
+                x[k] = turn % 2 ? floor(9 * (double)(pbw_random((uint64_t)turn, 2 * i + k) >> 11) / 9007199254740992.0)
+                     : 4 * (double)(pbw_random((uint64_t)turn, 2 * i + k) >> 11) / 9007199254740992.0;
+            }
+            ends[i][0] = x[0];                       /* in the triangle's plane */
+            ends[i][1] = x[1];
+            ends[i][2] = -4.5 + 0.5 * x[0] + 8.5 / 18 * x[1];
+        }
+        CHECK(count_places(ends, 30, 1) > 5);
+    }
+    for (turn = 0; turn < 3; turn++) {               /* parallel ones, which one crosses */
+        const double along[2] = { turn == 1 ? 0 : 1, turn == 0 ? 0 : 0.625 };
+        for (i = 0; i < 2 * most; i++) {
+            const double side = (double)(i / 2) / (double)most - 0.5, end = i % 2 ? 4 : -4;
+            ends[i][0] = end * along[0] - side * along[1];
+            ends[i][1] = end * along[1] + side * along[0];
+            if (i / 2 == most - 1) {
+                ends[i][0] = -along[1] * end;
+                ends[i][1] = along[0] * end;
+            }
+            ends[i][2] = -4.5 + 0.5 * ends[i][0] + 8.5 / 18 * ends[i][1];
+        }
+        seconds = (double)clock() / CLOCKS_PER_SEC;
+        CHECK_EQUAL(count_places(ends, most, 0), (long)most - 1);
+        seconds = (double)clock() / CLOCKS_PER_SEC - seconds;
+        test_say("%.3f s", seconds);
+        CHECK(seconds < 1);
+    }
+    test_end();
+}
+
 /* Two balls that touch in a point. */
 static void add_balls(part *m)
 {
@@ -2025,6 +2116,7 @@ int main(int argc, char **argv)
     test_warnings();
     test_stages();
     test_signs();
+    test_places();
     test_failures();
     test_limits(0);
     test_limits(1);

@@ -272,6 +272,7 @@ PBWDEF void pbw_solid_boundary_free(pbw_solid_boundary *boundary);      /* fine 
 #error "pbw_mesh3.h is compiled where pbw_improve.h of its version is: define PBW_IMPROVE_IMPLEMENTATION, too"
 #else
 
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -1907,9 +1908,12 @@ static void pbwm3__project(void *user, double p[3])
 
 typedef struct pbwm3__break { pbw_index a, b, vertex; } pbwm3__break;    /* a vertex on a line from a to b, a < b */
 
-typedef struct pbwm3__span { double x[2][2], low, high; size_t pair; } pbwm3__span;    /* a segment in the plane */
+typedef struct pbwm3__span {               /* a segment in the plane */
+    double x[2][2], low[2], high[2];       /* low, high: of its ranges along `axis` and across */
+    size_t pair;
+} pbwm3__span;
 
-typedef struct pbwm3__along_x { double x; pbw_index id; } pbwm3__along_x;
+typedef struct pbwm3__ranked { double x; pbw_index id; } pbwm3__ranked;
 
 typedef struct pbwm3__cutting {
     pbwsf__vectors points;                 /* vertices of the surface, then places */
@@ -1928,8 +1932,10 @@ typedef struct pbwm3__cutting {
     pbwsf__indices ids;                    /* its vertices */
     pbwsf__numbers flat;                   /* two coordinates of each, so that the triangle turns left */
     pbwsf__pairs border, inner;            /* pieces of its edges, and of segments in it: places in `ids` */
+    double axis[2];                        /* the direction across most segments in it, of length 1 */
     PBW_ARRAY(pbwm3__span) spans;
-    PBW_ARRAY(pbwm3__along_x) sorted;
+    PBW_ARRAY(pbwm3__ranked) sorted;        /* spans or vertices, by where they begin along the axis */
+    pbwsf__pairs met;                      /* spans that cross */
     pbwsf__indices corner, next, incident; /* its triangulation, as in pbw_mesh */
 } pbwm3__cutting;
 
@@ -2000,7 +2006,89 @@ static void pbwm3__flatten(const double n[3], const double p[3], double out[2])
 static int pbwm3__compare_spans(const void *a, const void *b)
 {
     const pbwm3__span *x = (const pbwm3__span *)a, *y = (const pbwm3__span *)b;
-    return x->low < y->low ? -1 : x->low > y->low ? 1 : (x->pair > y->pair) - (x->pair < y->pair);
+    const double low = fmin(x->x[0][0], x->x[1][0]), other = fmin(y->x[0][0], y->x[1][0]);
+    return low < other ? -1 : low > other ? 1 : (x->pair > y->pair) - (x->pair < y->pair);
+}
+
+static int pbwm3__compare_ranked(const void *a, const void *b)
+{
+    const pbwm3__ranked *x = (const pbwm3__ranked *)a, *y = (const pbwm3__ranked *)b;
+    return x->x < y->x ? -1 : x->x > y->x ? 1 : (x->id > y->id) - (x->id < y->id);
+}
+
+static int pbwm3__compare_pairs(const void *a, const void *b)
+{
+    const pbw_index *x = (const pbw_index *)a, *y = (const pbw_index *)b;
+    return x[0] != y[0] ? (x[0] > y[0]) - (x[0] < y[0]) : (x[1] > y[1]) - (x[1] < y[1]);
+}
+
+/* Widens a range to where x is along a direction, and by more than the rounding there, which is below 2 DBL_EPSILON
+   of the products' sizes: half of one for each product, their sum and the end.  So where two segments cross, exactly,
+   their ranges overlap. */
+static void pbwm3__widen(const double axis[2], const double x[2], double *low, double *high)
+{
+    const double along = axis[0] * x[0] + axis[1] * x[1];
+    const double slack = 4 * DBL_EPSILON * (fabs(axis[0] * x[0]) + fabs(axis[1] * x[1]));
+    *low = fmin(*low, along - slack);
+    *high = fmax(*high, along + slack);
+}
+
+/* Finds the direction along which the segments of a triangle with normal n are shortest, by the sum of squares. */
+static void pbwm3__find_axis(pbwm3__cutting *c, pbw_index triangle, const double n[3])
+{
+    double xx = 0, xy = 0, yy = 0, half, root, x, y, length;
+    size_t i;
+    for (i = c->first.at[triangle]; i < c->first.at[triangle + 1]; i++) {
+        double d[3], flat[2];
+        pbwsf__minus(c->places.at[2 * c->pairs.at[i] + 1], c->places.at[2 * c->pairs.at[i]], d);
+        pbwm3__flatten(n, d, flat);
+        xx += flat[0] * flat[0];
+        xy += flat[0] * flat[1];
+        yy += flat[1] * flat[1];
+    }
+    half = (xx - yy) / 2;
+    root = sqrt(half * half + xy * xy);              /* x, y: along most of them, an eigenvector */
+    x = half >= 0 ? half + root : xy;
+    y = half >= 0 ? xy : root - half;
+    length = sqrt(x * x + y * y);
+    c->axis[0] = length > 0 ? -y / length : 0;
+    c->axis[1] = length > 0 ? x / length : 1;
+}
+
+static int pbwm3__spans_cross(const pbwm3__span *s, const pbwm3__span *t)
+{
+    const double (*x)[2] = s->x, (*y)[2] = t->x;
+    return pbw_orient2(x[0], x[1], y[0]) * pbw_orient2(x[0], x[1], y[1]) < 0
+        && pbw_orient2(y[0], y[1], x[0]) * pbw_orient2(y[0], y[1], x[1]) < 0;
+}
+
+/* Lists the spans that cross, in order. */
+static int pbwm3__find_met(pbwm3__work *w, pbwm3__cutting *c)
+{
+    size_t i, k;
+    int good = 1;
+    c->sorted.count = c->met.count = 0;
+    for (i = 0; good && i < c->spans.count; i++) {
+        const pbwm3__ranked item = { c->spans.at[i].low[0], (pbw_index)i };
+        good = PBW_PUSH(&w->memory, c->sorted, item);
+    }
+    if (good && c->spans.count > 1) {
+        qsort(c->sorted.at, c->sorted.count, sizeof *c->sorted.at, pbwm3__compare_ranked);
+    }
+    for (i = 0; good && i < c->spans.count; i++) {
+        const pbw_index id = c->sorted.at[i].id;
+        const pbwm3__span *s = c->spans.at + id;
+        for (k = i + 1; good && k < c->spans.count && c->sorted.at[k].x <= s->high[0]; k++) {
+            const pbw_index other = c->sorted.at[k].id, pair[2] = { id < other ? id : other, id < other ? other : id };
+            const pbwm3__span *t = c->spans.at + other;
+            good = t->low[1] > s->high[1] || t->high[1] < s->low[1] || !pbwm3__spans_cross(s, t)
+                || PBWM3__APPEND(w, c->met, pair);
+        }
+    }
+    if (good && c->met.count > 1) {
+        qsort(c->met.at, c->met.count, sizeof *c->met.at, pbwm3__compare_pairs);
+    }
+    return good;
 }
 
 /* Adds the place where two segments in a triangle cross. */
@@ -2010,10 +2098,6 @@ static int pbwm3__cross_spans(pbwm3__work *w, pbwm3__cutting *c, pbw_index trian
     const double (*x)[2] = s->x, (*y)[2] = t->x;
     const pbw_index item[2] = { triangle, (pbw_index)c->places.count };
     double p[3], from, to;
-    if (pbw_orient2(x[0], x[1], y[0]) * pbw_orient2(x[0], x[1], y[1]) >= 0
-        || pbw_orient2(y[0], y[1], x[0]) * pbw_orient2(y[0], y[1], x[1]) >= 0) {
-        return 1;
-    }
     from = (y[1][0] - y[0][0]) * (x[0][1] - y[0][1]) - (y[1][1] - y[0][1]) * (x[0][0] - y[0][0]);
     to = (y[1][0] - y[0][0]) * (x[1][1] - y[0][1]) - (y[1][1] - y[0][1]) * (x[1][0] - y[0][0]);
     pbwsf__between(c->places.at[2 * s->pair], c->places.at[2 * s->pair + 1],
@@ -2024,29 +2108,32 @@ static int pbwm3__cross_spans(pbwm3__work *w, pbwm3__cutting *c, pbw_index trian
 /* Adds the places where segments cross in a triangle: it meets two others in one place. */
 static int pbwm3__find_places(pbwm3__work *w, pbwm3__cutting *c, pbw_index triangle)
 {
-    double n[3];
+    double n[3], along[2];
     size_t i, k;
     int good = 1;
     pbwsf__normal_of(&w->surface, triangle, n);
+    pbwm3__find_axis(c, triangle, n);
+    along[0] = -c->axis[1];
+    along[1] = c->axis[0];
     c->spans.count = 0;
     for (i = c->first.at[triangle]; good && i < c->first.at[triangle + 1]; i++) {
         pbwm3__span span;
         span.pair = c->pairs.at[i];
-        if (!c->layer.at[span.pair]) {
-            pbwm3__flatten(n, c->places.at[2 * span.pair], span.x[0]);
-            pbwm3__flatten(n, c->places.at[2 * span.pair + 1], span.x[1]);
-            span.low = fmin(span.x[0][0], span.x[1][0]);
-            span.high = fmax(span.x[0][0], span.x[1][0]);
-            good = PBW_PUSH(&w->memory, c->spans, span);
+        span.low[0] = span.low[1] = HUGE_VAL;
+        span.high[0] = span.high[1] = -HUGE_VAL;
+        for (k = 0; k < 2; k++) {
+            pbwm3__flatten(n, c->places.at[2 * span.pair + k], span.x[k]);
+            pbwm3__widen(c->axis, span.x[k], span.low, span.high);
+            pbwm3__widen(along, span.x[k], span.low + 1, span.high + 1);
         }
+        good = c->layer.at[span.pair] || PBW_PUSH(&w->memory, c->spans, span);
     }
     if (good && c->spans.count > 1) {
         qsort(c->spans.at, c->spans.count, sizeof(pbwm3__span), pbwm3__compare_spans);
     }
-    for (i = 0; good && i < c->spans.count; i++) {
-        for (k = i + 1; good && k < c->spans.count && c->spans.at[k].low <= c->spans.at[i].high; k++) {
-            good = pbwm3__cross_spans(w, c, triangle, c->spans.at + i, c->spans.at + k);
-        }
+    good = good && pbwm3__find_met(w, c);
+    for (i = 0; good && i < c->met.count; i++) {
+        good = pbwm3__cross_spans(w, c, triangle, c->spans.at + c->met.at[i][0], c->spans.at + c->met.at[i][1]);
     }
     return good;
 }
@@ -2204,20 +2291,17 @@ static int pbwm3__list_line(pbwm3__work *w, pbwm3__cutting *c, pbw_index a, pbw_
     return good;
 }
 
-static int pbwm3__compare_along(const void *a, const void *b)
-{
-    const pbwm3__along_x *x = (const pbwm3__along_x *)a, *y = (const pbwm3__along_x *)b;
-    return x->x < y->x ? -1 : x->x > y->x ? 1 : (x->id > y->id) - (x->id < y->id);
-}
-
 /* Adds the vertices of a triangle that are on a line from a to b as breaks. */
 static int pbwm3__break_line(pbwm3__work *w, pbwm3__cutting *c, pbw_index a, pbw_index b)
 {
-    const double *x = c->flat.at + 2 * (size_t)c->slot.at[a], *y = c->flat.at + 2 * (size_t)c->slot.at[b];
-    const double from = fmin(x[0], y[0]) - PBWM3__WELD * w->size, to = fmax(x[0], y[0]) + PBWM3__WELD * w->size;
     pbwm3__break one;
     size_t low = 0, high = c->sorted.count;
+    double from = HUGE_VAL, to = -HUGE_VAL;
     int good = 1;
+    pbwm3__widen(c->axis, c->flat.at + 2 * (size_t)c->slot.at[a], &from, &to);
+    pbwm3__widen(c->axis, c->flat.at + 2 * (size_t)c->slot.at[b], &from, &to);
+    from -= 2 * PBWM3__WELD * w->size;               /* more than a weld, as the axis has length 1 but for rounding */
+    to += 2 * PBWM3__WELD * w->size;
     one.a = a < b ? a : b;
     one.b = a < b ? b : a;
     while (low < high) {
@@ -2272,17 +2356,20 @@ static void pbwm3__forget(pbwm3__cutting *c)
 /* Adds breaks: the vertices of a triangle that are on its edges and segments. */
 static int pbwm3__break_lines(pbwm3__work *w, pbwm3__cutting *c, pbw_index triangle, size_t *extra)
 {
+    double n[3];
     size_t i;
     int k, good = pbwm3__gather(w, c, triangle, extra);
+    pbwsf__normal_of(&w->surface, triangle, n);
+    pbwm3__find_axis(c, triangle, n);
     c->sorted.count = 0;
     for (i = 0; good && i < c->ids.count; i++) {
-        pbwm3__along_x item;
-        item.x = c->flat.at[2 * i];
+        pbwm3__ranked item;
+        item.x = c->axis[0] * c->flat.at[2 * i] + c->axis[1] * c->flat.at[2 * i + 1];
         item.id = (pbw_index)i;
         good = PBW_PUSH(&w->memory, c->sorted, item);
     }
     if (good) {
-        qsort(c->sorted.at, c->sorted.count, sizeof *c->sorted.at, pbwm3__compare_along);
+        qsort(c->sorted.at, c->sorted.count, sizeof *c->sorted.at, pbwm3__compare_ranked);
     }
     for (k = 0; good && k < 3; k++) {
         good = pbwm3__break_line(w, c, pbwm3__vertex_at(w, c, triangle, k), pbwm3__vertex_at(w, c, triangle,
@@ -2871,6 +2958,7 @@ static void pbwm3__free_cutting(pbwm3__work *w, pbwm3__cutting *c)
     PBW_RELEASE(&w->memory, c->inner);
     PBW_RELEASE(&w->memory, c->spans);
     PBW_RELEASE(&w->memory, c->sorted);
+    PBW_RELEASE(&w->memory, c->met);
     PBW_RELEASE(&w->memory, c->corner);
     PBW_RELEASE(&w->memory, c->next);
     PBW_RELEASE(&w->memory, c->incident);
