@@ -383,7 +383,7 @@ static void test_soups(void)
     for (n = 0; n < test_count; n++) {
         pbw_surface_faults f;
         if (n % 1000 == 7) {
-            make_large_soup(120);
+            make_large_soup(n == 7 ? 264 : 120);         /* a tree of three levels of nodes, of two */
         } else if (n % 4 == 3) {
             make_fans();
         } else {

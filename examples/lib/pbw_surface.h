@@ -913,7 +913,7 @@ PBWDEF double pbw_surface_winding(const pbw_surface *surface, const double p[3])
     tree = (const pbwsf__tree *)surface->memory;
     box = tree->boxes.at;
     order = tree->order.at;
-    if (tree->has_rim) {                   /* what hangs down from it closes the surface, and no ray upwards meets that */
+    if (tree->has_rim) {                   /* what hangs down from it closes the surface; no ray upwards meets that */
         sum = (double)pbw_surface_turns(surface, p);
         for (k = 0; k < tree->rim.count; k++) {
             sum += pbwsf__angle_down(surface->points + 3 * (size_t)tree->rim.at[k][0],
