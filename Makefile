@@ -194,7 +194,7 @@ $B/install.log: $B/pbw $B/libpbw.a $B/libpbw.so
 $B/fill.log $B/plane.log $B/program.log $B/programs.log $B/queries.log $B/tiles.log: $B/pbw
 $B/tiles.log: $(MPI)
 $B/asm.log $B/hashes.log $B/oracle.log $B/cells.log $B/web.log $B/packaging.log: $B/libpbw.a
-$B/hashes.log $B/tiles.log: $B/companions.a
+$B/asm.log $B/hashes.log $B/tiles.log: $B/companions.a
 
 # One that does not compile is a failure, and the others still run.  The long ones come first, and are compiled before
 # all: make would only come back to one whose program is not there when it has started all others.

@@ -1,6 +1,6 @@
 #!/bin/sh
 # asm.sh FOLDER: no compiler fuses a product into a sum behind our back, or takes MMX registers.  Run from the root, on
-# x86-64, with libpbw.o in FOLDER.
+# x86-64, with libpbw.o and the companions' objects in FOLDER.
 # PBW__FMA=0 takes out the fused operations that we ask for; then with -mfma allowed none may be left in any function.
 # clang's -ffp-contract=fast overrides all pragmas: there fusing is allowed, and the predicates must bear it.
 work=${1:-build}/asm
@@ -38,14 +38,16 @@ for compiler in gcc clang; do
     fi
 done
 
-# The library as CC makes it: vectors are there, in registers of 128 bits and more.
-objdump -d --no-show-raw-insn "${1:-build}/libpbw.o" > "$work/library.s"
-if grep -q '%xmm[0-7]' "$work/library.s" && ! grep -q '%mm[0-7]' "$work/library.s"; then
-    passed=$((passed + 1))
-else
-    failed=$((failed + 1))
-    echo "FAILED the library: an MMX register, after which long doubles are NaN"
-fi
+# The library and its companions as CC makes them: vectors are there, in registers of 128 bits and more.
+for object in "${1:-build}/libpbw.o" "${1:-build}"/objects/library*.o; do
+    objdump -d --no-show-raw-insn "$object" > "$work/code.s"
+    if grep -q '%xmm[0-7]' "$work/code.s" && ! grep -q '%mm[0-7]' "$work/code.s"; then
+        passed=$((passed + 1))
+    else
+        failed=$((failed + 1))
+        echo "FAILED $object: an MMX register, after which long doubles are NaN"
+    fi
+done
 
 # The net must have no hole: products of this function may be fused, and are.
 printf 'double f(double a, double b, double c) { return a * b + c; }\n' > "$work/net.c"
