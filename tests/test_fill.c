@@ -1330,7 +1330,7 @@ static void test_threads(void)
                 (void)part_make(PART_WEDGE, 1, &m);
                 in = input_of(m.x[0], m.points, m.t[0], m.triangles);
             } else {
-                (void)make_cells(16, 0.2, &key);     /* threads share more than 4,096 facets */
+                (void)make_cells(10, 0.2, &key);     /* threads share more than 512 facets */
                 in = input_of_big();
             }
             for (i = 0; i < 2; i++) {

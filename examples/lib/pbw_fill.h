@@ -216,7 +216,7 @@ PBW_CONTRACTION_OFF                        /* fused operations would give other 
    ------------------------------------------------------------------------------------------------------ */
 enum { PBWFILL__STEPS = 22,                /* places on a segment are multiples of 2^-22 of it */
        PBWFILL__PLACE = 4,                 /* numbers of a place: coordinates, and the number of its rest; 0 = none */
-       PBWFILL__GRAIN = 4096 };            /* items of a range of pbw_for */
+       PBWFILL__GRAIN = 512 };            /* items of a range of pbw_for */
 
 typedef PBW_ARRAY(pbw_index) pbwfill__indices;
 typedef PBW_ARRAY(double) pbwfill__doubles;
@@ -296,7 +296,8 @@ typedef struct pbwfill__work {
     PBW_ARRAY(unsigned char) narrow;       /* of each vertex: two segments at it are at less than 8 degrees */
     pbwfill__indices ends_of;              /* 2 a vertex on a segment: its piece's `ends`; vertices of segments follow
                                               the box's corners */
-    pbwfill__table table, borders, covered, segments;
+    pbwfill__table table, borders, covered;
+    pbwfill__table wires;                  /* the pieces of edges that no triangle has: a, b, a < b */
     pbwfill__indices cavity;               /* tetrahedra */
     pbwfill__indices list;                 /* vertices of the cavity, or tetrahedra to be visited */
     PBW_ARRAY(pbwfill__face) faces;
@@ -340,12 +341,13 @@ static int pbwfill__ends(pbwfill__work *w)
     return w->cancelled;
 }
 
-/* The same within a loop, once in a while. */
+/* The same within a loop, once in a while: each 256th time, or earlier where work of other kinds is added to ticks. */
 static int pbwfill__tick(pbwfill__work *w, double share)
 {
-    if (++w->ticks % 256 != 0) {
+    if (++w->ticks < 256) {
         return w->cancelled;
     }
+    w->ticks = 0;
     w->done = fmax(w->done, w->from + (w->to - w->from) * share);
     return pbwfill__ends(w);
 }
@@ -477,6 +479,11 @@ static int pbwfill__drop_tet(pbwfill__work *w, pbw_index t)
 {
     w->tets.at[t].v[0] = PBW_NONE;
     return PBW_PUSH(&w->memory, w->unused, t) != 0;
+}
+
+static int pbwfill__is_wire(const pbwfill__work *w, pbw_index u, pbw_index v)
+{
+    return pbwfill__look_up(&w->wires, u < v ? u : v, u < v ? v : u, PBW_NONE) != PBW_NONE;
 }
 
 /* Sets the region of a tetrahedron, which may be new.  Returns 0 without memory. */
@@ -1162,6 +1169,9 @@ static pbw_status pbwfill__take_triangles(pbwfill__work *w, unsigned char *gone)
         if (!gone[i] && pbwfill__axis_of(w, pbwfill__at(w, c[0]), pbwfill__at(w, c[1]), pbwfill__at(w, c[2])) == 3) {
             status = pbwfill__refuse(w, PBW_FILL_FLAT, (pbw_index)i, PBW_NONE);
         }
+        if (pbwfill__tick(w, 0)) {
+            return PBW_CANCELLED;
+        }
     }
     w->corners.count = 3 * in->triangle_count;
     return status;
@@ -1386,6 +1396,11 @@ static pbw_status pbwfill__find_narrow(pbwfill__work *w)
             const size_t count = first.at[i + 1] - first.at[i];
             const double *p = pbwfill__at(w, (pbw_index)i);
             w->narrow.at[i] = count > 1000;
+            w->ticks += w->narrow.at[i] ? 0 : count * count / 16;
+            if (pbwfill__tick(w, 1)) {
+                status = PBW_CANCELLED;
+                break;
+            }
             for (j = 0; j < count * count && !w->narrow.at[i]; j++) {
                 const double *q = pbwfill__at(w, other[j / count]), *r = pbwfill__at(w, other[j % count]);
                 w->narrow.at[i] = j / count < j % count && pbwfill__dot(p, q, r)
@@ -1558,6 +1573,7 @@ static int pbwfill__make_star(pbwfill__work *w, pbw_index vertex)
     size_t i;
     unsigned k;
     int good = pbwfill__reserve(w, 2 * w->cavity.count + 2);         /* its faces, as its tetrahedra are connected */
+    w->ticks += w->cavity.count / 4;
     w->list.count = 0;
     pbwfill__clear(&w->table);
     for (i = 0; i < w->cavity.count && good; i++) {
@@ -1885,16 +1901,20 @@ static pbw_status pbwfill__note_missing(void *arg, size_t from, size_t to)
     return PBW_OK;
 }
 
-/* Fills the queue with those pieces. */
+/* Fills the queue with those pieces, some of each row of neighbours first: points that are put along a row of needles
+   one after the other would each change tetrahedra up to its end. */
 static pbw_status pbwfill__list_missing(pbwfill__work *w, pbwfill__indices *queue)
 {
     pbw_status status = PBW_FIT(&w->memory, w->noted, w->pieces.count) ? PBW_OK : PBW_ERROR_MEMORY;
-    size_t i;
+    size_t i, step;
     status = status != PBW_OK ? status : pbw_for(pbwfill__inner_options(w), w->pieces.count, PBWFILL__GRAIN,
                                                  pbwfill__note_missing, w);
     queue->count = 0;
-    for (i = 0; status == PBW_OK && i < w->pieces.count; i++) {
-        status = !w->noted.at[i] || PBW_PUSH(&w->memory, *queue, (pbw_index)i) ? PBW_OK : PBW_ERROR_MEMORY;
+    for (step = 4096; step > 0; step /= 64) {
+        for (i = step - 1; status == PBW_OK && i < w->pieces.count; i += step) {
+            status = !w->noted.at[i] || PBW_PUSH(&w->memory, *queue, (pbw_index)i) ? PBW_OK : PBW_ERROR_MEMORY;
+            w->noted.at[i] = 0;
+        }
     }
     memset(w->touched.at, 0, w->touched.count);
     return status;
@@ -2002,6 +2022,7 @@ static int pbwfill__is_blocked(pbwfill__work *w, const pbw_index v[3], pbw_index
 {
     size_t i;
     int k, j;
+    w->ticks += w->faces.count / 8;
     for (i = 0; i < w->list.count; i++) {
         const pbw_index u = w->list.at[i];
         unsigned char *bits = w->beyond.at + u;
@@ -2287,8 +2308,7 @@ static pbw_status pbwfill__find_cut(pbwfill__work *w, const pbwfill__plane *plan
                 const int s = pbwfill__side_of(w, plane, u);
                 above |= s > 0;
                 below |= s < 0;
-                if (s * pbwfill__side_of(w, plane, v) < 0
-                    && pbwfill__look_up(&w->segments, u < v ? u : v, u < v ? v : u, PBW_NONE) != PBW_NONE) {
+                if (s * pbwfill__side_of(w, plane, v) < 0 && pbwfill__is_wire(w, u, v)) {
                     return pbwfill__refuse(w, PBW_FILL_CROSSING, w->members.at[
                                            w->facet_first.at[plane->facet]], PBW_NONE);
                 }
@@ -2638,23 +2658,19 @@ static pbw_status pbwfill__recover_facets(pbwfill__work *w)
 {
     pbwfill__walk walk = { NULL, 0, 0 };
     pbw_status status = PBW_FIT(&w->memory, w->noted, w->report->facets) ? PBW_OK : PBW_ERROR_MEMORY;
-    size_t i, found = 0;
+    size_t i;
     memset(w->seen_vertex.at, 0, w->seen_vertex.count * sizeof *w->seen_vertex.at);
     status = status != PBW_OK ? status : pbw_for(pbwfill__inner_options(w), w->report->facets, PBWFILL__GRAIN,
                                                  pbwfill__mark_faces, w);
-    for (i = 0; i < w->report->facets && status == PBW_OK; i++) {
-        found += w->noted.at[i];
-    }
     for (i = 0; i < w->pieces.count && status == PBW_OK; i++) {
         const pbwfill__piece *p = w->pieces.at + i;
-        pbw_index *slot;
-        if (found == w->report->facets && w->edges.at[p->edge].count > 0) {
-            continue;                                /* all facets are found: of segments, only wires are looked up */
-        }
-        slot = pbwfill__put(w, &w->segments, p->a < p->b ? p->a : p->b, p->a < p->b ? p->b : p->a, PBW_NONE);
-        status = slot == NULL ? PBW_ERROR_MEMORY : pbwfill__tick(w, 0) ? PBW_CANCELLED : PBW_OK;
-        if (slot != NULL) {
-            *slot = (pbw_index)i;
+        if (w->edges.at[p->edge].count == 0) {
+            pbw_index *wire = pbwfill__put(w, &w->wires, p->a < p->b ? p->a : p->b, p->a < p->b ? p->b : p->a,
+                                           PBW_NONE);
+            status = wire == NULL ? PBW_ERROR_MEMORY : PBW_OK;
+            if (wire != NULL) {
+                *wire = 0;
+            }
         }
     }
     for (i = 0; i < w->report->facets && status == PBW_OK; i++) {
@@ -2747,6 +2763,9 @@ static pbw_status pbwfill__find_contacts(pbwfill__work *w, pbwfill__map *map)
     }
     for (i = 0; i < w->tets.count; i++) {
         const pbwfill__tet *t = w->tets.at + i;
+        if (pbwfill__tick(w, 0)) {
+            return PBW_CANCELLED;
+        }
         for (k = 0; t->v[0] != PBW_NONE && k < 4; k++) {
             pbwfill__component *c = map->components.at + w->region.at[i];
             pbwfill__contact contact;
@@ -2890,6 +2909,9 @@ static pbw_status pbwfill__check_closed(pbwfill__work *w)
     pbwfill__clear(&w->covered);
     for (i = 0; i < w->tets.count; i++) {
         const pbwfill__tet *t = w->tets.at + i;
+        if (pbwfill__tick(w, 1)) {
+            return PBW_CANCELLED;
+        }
         for (k = 0; t->v[0] != PBW_NONE && k < 4; k++) {
             if (t->wall[k] != PBW_NONE && t->n[k] < i && w->region.at[i] == PBW_NONE
                 && w->region.at[t->n[k]] == PBW_NONE) {
@@ -3525,6 +3547,7 @@ static pbw_status pbwfill__remove(pbwfill__work *w, pbwfill__star *star, int *do
         return PBW_ERROR_MEMORY;
     }
     w->epoch += (uint32_t)star->wedges;
+    w->ticks += w->cavity.count / 4;
     ears = w->cavity.count <= PBWFILL__STAR ? pbwfill__find_ears(w, star) : 0;
     if (ears <= 0) {
         return ears < 0 ? PBW_ERROR_MEMORY : PBW_OK;
@@ -3696,12 +3719,16 @@ static int pbwfill__put_sides(pbwfill__work *w, pbwfill__flats *f, pbw_index par
     return 1;
 }
 
-/* Lists the parts of all facets of several triangles.  left: gets 1 for facets with an added vertex. */
+/* Lists the parts of all facets of several triangles.  left: gets 1 for facets with an added vertex.  Returns 0 without
+   memory, or if the caller cancels. */
 static int pbwfill__list_parts(pbwfill__work *w, pbwfill__flats *f, unsigned char *left)
 {
     size_t i;
     unsigned j, k;
     for (i = 0; i < w->tets.count; i++) {
+        if (pbwfill__tick(w, 1)) {
+            return 0;
+        }
         for (k = 0; w->tets.at[i].v[0] != PBW_NONE && k < 4; k++) {
             pbwfill__tet *t = w->tets.at + i, *n;
             const pbw_index facet = t->wall[k];
@@ -3838,7 +3865,7 @@ static pbw_status pbwfill__flip(pbwfill__work *w, pbwfill__flats *f, pbw_index a
     pbw_status status = PBW_OK;
     pbwfill__wedge wedge;
     int k;
-    if (pbwfill__look_up(&w->segments, a < b ? a : b, a < b ? b : a, PBW_NONE) != PBW_NONE) {
+    if (pbwfill__is_wire(w, a, b)) {
         return pbwfill__refuse(w, PBW_FILL_CROSSING, w->members.at[w->facet_first.at[f->facet]], PBW_NONE);
     }
     to[0] = f->parts.at[at[0]], to[1] = f->parts.at[at[1]];
@@ -4164,7 +4191,7 @@ static pbw_status pbwfill__cut_facets(pbwfill__work *w, int last, size_t *failed
     memset(&f, 0, sizeof f);
     status = PBW_ZEROS(&w->memory, left, w->report->facets + 1)
           && PBW_ZEROS(&w->memory, f.visited, w->corners.count / 3 + 1)
-          && pbwfill__list_parts(w, &f, left.at) ? PBW_OK : PBW_ERROR_MEMORY;
+          && pbwfill__list_parts(w, &f, left.at) ? PBW_OK : w->cancelled ? PBW_CANCELLED : PBW_ERROR_MEMORY;
     for (i = 0; i < w->report->facets && status == PBW_OK; i++) {
         if (w->facet_first.at[i + 1] == w->facet_first.at[i] + 1 || left.at[i]) {
             continue;
@@ -4208,11 +4235,9 @@ static pbw_status pbwfill__cut_facets(pbwfill__work *w, int last, size_t *failed
 static int pbwfill__has_wire(const pbwfill__work *w, const pbwfill__tet *t)
 {
     unsigned i, j;
-    for (i = 0; i < 4 && w->input->segment_count > 0; i++) {
+    for (i = 0; i < 4 && w->wires.slots.count > 0; i++) {
         for (j = 0; j < i; j++) {
-            const pbw_index a = t->v[i] < t->v[j] ? t->v[i] : t->v[j], b = t->v[i] < t->v[j] ? t->v[j] : t->v[i];
-            const pbw_index piece = pbwfill__look_up(&w->segments, a, b, PBW_NONE);
-            if (piece != PBW_NONE && w->edges.at[w->pieces.at[piece].edge].count == 0) {
+            if (pbwfill__is_wire(w, t->v[i], t->v[j])) {
                 return 1;
             }
         }
@@ -4317,6 +4342,10 @@ static pbw_status pbwfill__join_grown(pbwfill__work *w, pbw_index u, const doubl
 {
     pbw_status status;
     w->made.count = w->made_region.count = 0;
+    w->ticks += w->cavity.count / 4;
+    if (pbwfill__tick(w, 1)) {
+        return PBW_CANCELLED;
+    }
     if (!pbwfill__grow(w, u, x)) {
         return w->starved ? PBW_ERROR_MEMORY : PBW_OK;
     }
@@ -4462,7 +4491,6 @@ typedef struct pbwfill__inside {
     pbwfill__work *w;
     PBW_ARRAY(double) sizes;               /* of each vertex: edges wanted there, in units of vertices */
     pbwfill__indices now, next;            /* tetrahedra of this round and of the next */
-    size_t wires;
 } pbwfill__inside;
 
 /* A length of the caller's in units of vertices. */
@@ -4668,7 +4696,8 @@ static int pbwfill__may_fill(pbwfill__inside *in, const double *p, double spacin
             const pbw_index v = w->tets.at[t].v[PBW_FACET_CORNER(i % 4, (j + 1) % 3)];
             w->seen_vertex.at[u] = w->epoch;
             nearest = fmin(nearest, pbwfill__distance(p, pbwfill__at(w, u)));
-            if (in->wires > 0 && pbwfill__put(w, &w->table, u < v ? u : v, u < v ? v : u, PBW_NONE) == NULL) {
+            if (w->wires.slots.count > 0
+                && pbwfill__put(w, &w->table, u < v ? u : v, u < v ? v : u, PBW_NONE) == NULL) {
                 w->starved = 1;
                 return 0;
             }
@@ -4680,11 +4709,10 @@ static int pbwfill__may_fill(pbwfill__inside *in, const double *p, double spacin
             if (w->seen_vertex.at[t->v[k]] != w->epoch) {
                 return 0;
             }
-            for (j = k + 1; in->wires > 0 && j < 4; j++) {
+            for (j = k + 1; w->wires.slots.count > 0 && j < 4; j++) {
                 const pbw_index u = t->v[k] < t->v[j] ? t->v[k] : t->v[j], v = t->v[k] ^ t->v[j] ^ u;
                 const pbwfill__slot *s = w->table.slots.count == 0 ? NULL : pbwfill__find(&w->table, u, v, PBW_NONE);
-                if (pbwfill__look_up(&w->segments, u, v, PBW_NONE) != PBW_NONE
-                    && (s == NULL || s->stamp != w->table.stamp)) {
+                if (pbwfill__is_wire(w, u, v) && (s == NULL || s->stamp != w->table.stamp)) {
                     return 0;
                 }
             }
@@ -4801,19 +4829,6 @@ static pbw_status pbwfill__add_inside(pbwfill__work *w)
     in.w = w;
     memset(w->seen_vertex.at, 0, w->seen_vertex.count * sizeof *w->seen_vertex.at);
     status = pbwfill__find_sizes(&in);
-    pbwfill__clear(&w->segments);
-    for (i = 0; i < w->pieces.count && status == PBW_OK; i++) {
-        const pbwfill__piece *p = w->pieces.at + i;
-        if (w->edges.at[p->edge].count == 0) {
-            pbw_index *slot = pbwfill__put(w, &w->segments, p->a < p->b ? p->a : p->b, p->a < p->b ? p->b : p->a,
-                                           PBW_NONE);
-            status = slot == NULL ? PBW_ERROR_MEMORY : PBW_OK;
-            if (slot != NULL) {
-                *slot = (pbw_index)i;
-                in.wires++;
-            }
-        }
-    }
     for (i = 0; i < w->tets.count && status == PBW_OK; i++) {
         status = w->region.at[i] == PBW_NONE || w->tets.at[i].v[0] == PBW_NONE
               || PBW_PUSH(&w->memory, in.next, (pbw_index)i) ? PBW_OK : PBW_ERROR_MEMORY;
@@ -5469,7 +5484,7 @@ static void pbwfill__release(pbwfill__work *w)
     PBW_RELEASE(m, w->table.slots);
     PBW_RELEASE(m, w->borders.slots);
     PBW_RELEASE(m, w->covered.slots);
-    PBW_RELEASE(m, w->segments.slots);
+    PBW_RELEASE(m, w->wires.slots);
     PBW_RELEASE(m, w->cavity);
     PBW_RELEASE(m, w->list);
     PBW_RELEASE(m, w->faces);
