@@ -991,6 +991,98 @@ static void test_sheets(void)
     }
 }
 
+/* Whether the tetrahedra have edges from one end of a wire to the other: between its points in order. */
+static int has_wire(const pbw_filled *f, const double *a, const double *b)
+{
+    enum { MOST = 100 };
+    double at[MOST], square = 0;
+    pbw_index on[MOST];
+    size_t count = 0, i, k, found = 0;
+    for (k = 0; k < 3; k++) {
+        square += (b[k] - a[k]) * (b[k] - a[k]);
+    }
+    for (i = 0; i < f->tets.point_count && count < MOST; i++) {
+        const double *p = f->tets.points + 3 * i;
+        double t = 0, off = 0;
+        size_t j;
+        for (k = 0; k < 3; k++) {
+            t += (p[k] - a[k]) * (b[k] - a[k]) / square;
+        }
+        for (k = 0; k < 3; k++) {
+            off = fmax(off, fabs(a[k] + t * (b[k] - a[k]) - p[k]));
+        }
+        if (off < 1e-12 && t > -1e-12 && t < 1 + 1e-12) {
+            for (j = count++; j > 0 && at[j - 1] > t; j--) {
+                at[j] = at[j - 1], on[j] = on[j - 1];
+            }
+            at[j] = t, on[j] = (pbw_index)i;
+        }
+    }
+    for (i = 0; i + 1 < count; i++) {
+        size_t tet, ends = 0;
+        for (tet = 0; tet < f->tets.tet_count && ends < 2; tet++) {
+            for (k = ends = 0; k < 4; k++) {
+                ends += f->tets.corners[4 * tet + k] == on[i] || f->tets.corners[4 * tet + k] == on[i + 1];
+            }
+        }
+        found += ends == 2;
+    }
+    return count > 1 && count < MOST && found == count - 1;
+}
+
+/* Wires that pass near boxes, some at places without doubles, stay through all that tetrahedra go through. */
+static void test_wires(void)
+{
+    static const pbw_index wires[6] = { 0, 1, 1, 2, 2, 3 };
+    static const double ends[4][3] = { { -1.3, -1.2, 0.1 }, { 1.4, 1.3, 0.3 }, { -1.2, 1.1, 0.7 },
+                                       { 1.1, -1.3, -0.9 } };
+    size_t round, i;
+    if (!test_begin("wires near boxes")) {
+        return;
+    }
+    for (round = 0; round < 4; round++) {
+        pbw_fill_options how;
+        pbw_fill_report report;
+        pbw_fill_input in;
+        pbw_filled f;
+        memset(&how, 0, sizeof how);
+        how.nested = 1;
+        how.conforming = round == 1;
+        how.size = round == 2 ? 0.5 : 0;
+        how.improve.target = round == 3 ? 10 : 0;
+        how.improve.passes = 3;
+        big.points = big.triangles = 0;
+        for (i = 0; i < 4; i++) {
+            (void)point(ends[i][0], ends[i][1], ends[i][2]);
+        }
+        add_box(-2, 2), add_box(0.31, 0.77), add_box(-0.83, -0.27);
+        for (i = 0; i < 8; i++) {
+            big.x[12 + i][2] -= 0.63, big.x[20 + i][2] -= 0.47;
+        }
+        in = input_of_big();
+        in.segments = wires, in.segment_count = 3;
+        CHECK_EQUAL(pbw_fill(&in, &how, NULL, &f, &report), PBW_OK);
+        CHECK(report.segment_points > 0 && report.refusal == PBW_FILL_FILLED && report.regions == 3);
+        for (i = 0; i < 3; i++) {
+            CHECK(has_wire(&f, ends[i], ends[i + 1]));
+        }
+        CHECK(!has_wire(&f, big.x[4], big.x[11]));   /* two corners of the box */
+        if (f.tets.tet_count > 0) {
+            result_copy c = copy_of(&f);
+            const char *wrong = fault_of(&in, &c, 2, 64);
+            if (!CHECK(wrong == NULL)) {
+                test_say("%s", wrong);
+            }
+            free_copy(&c);
+        }
+        pbw_fill_free(&f);
+        if (round < 3) {
+            (void)fail_allocations(&in, &how, round == 0 ? 60 : 10);
+        }
+    }
+    test_end();
+}
+
 /* A prism over a circle of `count` points: one cap is a fan, the other a zigzag. */
 static void make_prism(size_t count)
 {
@@ -1184,8 +1276,11 @@ static void expect(const pbw_fill_input *in, pbw_status status, int refusal)
 static void test_refusals(void)
 {
     pbw_fill_input in;
+    int k;
     if (test_begin("what is refused")) {
-        static const double seed[3] = { 0, 0, 0 };
+        static const double seed[3] = { 0, 0, 0 }, inside[6] = { 0.5, 0.25, 0.125, 0.25, 0.125, 0.5 };
+        static const pbw_index numbers[3] = { 1, 2, 2 }, holes[2] = { PBW_NONE, PBW_NONE };
+        static const pbw_index wires[6] = { 8, 9, 8, 10, 11, 12 };
         CHECK_EQUAL(pbw_fill(NULL, NULL, NULL, NULL, NULL), PBW_ERROR_ARGUMENT);
         big.points = big.triangles = 0;
         in = input_of_big();
@@ -1232,6 +1327,35 @@ static void test_refusals(void)
         in.seeds = seed;                             /* in a corner */
         in.seed_count = 1;
         expect(&in, PBW_DEGENERATE, PBW_FILL_SEED);
+        in.seeds = inside;                           /* of one region, with two numbers, or one */
+        in.seed_count = 2;
+        in.seed_regions = numbers;
+        expect(&in, PBW_DEGENERATE, PBW_FILL_SEED);
+        in.seed_regions = numbers + 1;
+        expect(&in, PBW_OK, PBW_FILL_FILLED);
+        in.seed_regions = holes;                     /* no side of the box is left */
+        expect(&in, PBW_DEGENERATE, PBW_FILL_OPEN);
+        in.seed_count = in.triangle_count = 0;
+        expect(&in, PBW_DEGENERATE, PBW_FILL_EMPTY);
+        (void)point(0.25, 0.375, 0.5), (void)point(0.25, 0.5, 2), (void)point(0.75, 0.625, 0.5);
+        (void)point(0.25, 0.625, 0.5), (void)point(0.75, 0.375, 0.5);
+        in = input_of_big();
+        in.segments = wires;                         /* through a side; two that cross */
+        in.segment_count = 1;
+        expect(&in, PBW_DEGENERATE, PBW_FILL_CROSSING);
+        in.segments = wires + 2;
+        in.segment_count = 2;
+        expect(&in, PBW_DEGENERATE, PBW_FILL_CROSSING);
+        in.segment_count = 1;
+        expect(&in, PBW_OK, PBW_FILL_FILLED);
+        test_end();
+    }
+    if (test_begin("refusals have words")) {
+        for (k = PBW_FILL_FILLED; k <= PBW_FILL_POINTS_LEFT; k++) {
+            const char *word = pbw_fill_refusal(k);
+            CHECK(strlen(word) > 0 && strcmp(word, pbw_fill_refusal(-1)) != 0);
+            CHECK(k == 0 || strcmp(word, pbw_fill_refusal(k - 1)) != 0);
+        }
         test_end();
     }
 }
@@ -1368,6 +1492,7 @@ int main(int argc, char **argv)
     test_shells();
     test_seeds();
     test_sheets();
+    test_wires();
     test_flat_facets();
     test_refusals();
     test_magnitudes();
