@@ -939,6 +939,110 @@ static void test_boxes(void)
     }
 }
 
+/* --- large meshes, in which several walks of a block take turns: the same answers as of single walks, and of a scan
+   or the tree of boxes --- */
+enum { TURN_QUERIES = 3000, TURN_POINTS = 66000 };
+
+/* Queries of all kinds. */
+static void ask_many(const pbw_mesh *mesh, double *queries)
+{
+    static questions q;
+    size_t i;
+    for (i = 0; i < TURN_QUERIES; i += q.count) {
+        ask(mesh, TURN_QUERIES - i < MOST ? TURN_QUERIES - i : MOST, i + 1, &q);
+        memcpy(queries + i * (size_t)mesh->dim, q.points, q.count * (size_t)mesh->dim * sizeof *queries);
+    }
+}
+
+static void check_turns(int dim, int kind, size_t n, unsigned flags)
+{
+    static double points[3 * TURN_POINTS], weights[TURN_POINTS], queries[3 * TURN_QUERIES];
+    static double distances[2][TURN_QUERIES];
+    static pbw_index found[2][TURN_QUERIES], facets[2][TURN_QUERIES];
+    const size_t size = (size_t)dim;
+    pbw_options options;
+    pbw_mesh mesh;
+    pbw_lists stars;
+    questions few;
+    ranking r;
+    size_t i, k;
+    int weighted;
+    memset(&options, 0, sizeof options);
+    input_fill(kind, dim, n, 1, points);
+    input_fill_weights(INPUT_WEIGHTS_HIDING, dim, n, 1, points, weights);
+    for (weighted = 0; weighted < 2; weighted++) {
+        options.flags = flags;
+        CHECK_EQUAL(pbw_triangulate(dim, points, weighted ? weights : NULL, n, &options, &mesh), PBW_OK);
+        CHECK_EQUAL(pbw_stars(&mesh, NULL, &stars), PBW_OK);
+        CHECK(mesh.simplex_count >= 65536);
+        ask_many(&mesh, queries);
+        options.flags = 0;
+        for (i = 0; i < 2; i++) {
+            options.threads = i == 0 ? 1 : 3;
+            CHECK_EQUAL(pbw_locate(&mesh, queries, TURN_QUERIES, &options, found[i], facets[i]), PBW_OK);
+        }
+        CHECK(memcmp(found[0], found[1], sizeof found[0]) == 0);
+        CHECK(memcmp(facets[0], facets[1], sizeof facets[0]) == 0);
+        for (i = 0; i < TURN_QUERIES; i++) {
+            const double *p = queries + i * size;
+            check_place(&mesh, p, pbw_locate_one(&mesh, p, found[0][i], NULL), found[0][i], facets[0][i]);
+        }
+        CHECK_EQUAL(pbw_locate(&mesh, queries, 5, NULL, found[1], NULL), PBW_OK);     /* fewer than walks */
+        CHECK(memcmp(found[0], found[1], 5 * sizeof found[0][0]) == 0);
+        CHECK_EQUAL(pbw_nearest(&mesh, &stars, queries, TURN_QUERIES, 1, &options, found[0], distances[0]), PBW_OK);
+        CHECK_EQUAL(pbw_nearest(&mesh, NULL, queries, TURN_QUERIES, 1, &options, found[1], distances[1]), PBW_OK);
+        CHECK(memcmp(found[0], found[1], sizeof found[0]) == 0);
+        CHECK(memcmp(distances[0], distances[1], sizeof distances[0]) == 0);
+        ask(&mesh, 12, 9, &few);
+        r = rank(&mesh, &few, 3);
+        for (k = 1; k <= 3; k += 2) {
+            check_nearest(&mesh, &stars, &few, &r, k);
+        }
+        free(r.count);
+        free(r.order);
+        pbw_lists_free(&stars);
+        pbw_free(&mesh);
+    }
+}
+
+/* Points that have moved: location ends. */
+static void check_turns_moved(void)
+{
+    enum { N = 40000 };
+    static double points[2 * N], queries[2 * N];
+    static pbw_index found[N];
+    pbw_options options;
+    pbw_mesh mesh;
+    memset(&options, 0, sizeof options);
+    input_fill(INPUT_UNIFORM, 2, N, 1, points);
+    input_fill(INPUT_UNIFORM, 2, N, 2, queries);
+    options.flags = PBW_BORROW;
+    CHECK_EQUAL(pbw_triangulate(2, points, NULL, N, &options, &mesh), PBW_OK);
+    input_fill(INPUT_UNIFORM, 2, N, 3, points);
+    CHECK_EQUAL(pbw_locate(&mesh, queries, N, NULL, found, NULL), PBW_ERROR_ARGUMENT);
+    pbw_free(&mesh);
+}
+
+static void test_turns(void)
+{
+    const struct { int dim, kind; size_t n; unsigned flags; } cases[5] = {
+        { 2, INPUT_UNIFORM, 40000, 0 }, { 2, INPUT_LATTICE, 40000, 0 }, { 3, INPUT_UNIFORM, 14000, 0 },
+        { 3, INPUT_LATTICE, 18000, 0 }, { 2, INPUT_UNIFORM, TURN_POINTS, PBW_CURVE_ORDER }
+    };
+    int i;
+    for (i = 0; i < 5; i++) {
+        if (test_begin("walks in turn, %dD %s%s", cases[i].dim, input_name(cases[i].kind),
+                       cases[i].flags == 0 ? "" : " along the curve")) {
+            check_turns(cases[i].dim, cases[i].kind, cases[i].n, cases[i].flags);
+            test_end();
+        }
+    }
+    if (test_begin("walks in turn where points have moved")) {
+        check_turns_moved();
+        test_end();
+    }
+}
+
 int main(int argc, char **argv)
 {
     test_start(argc, argv, 1000);
@@ -952,5 +1056,6 @@ int main(int argc, char **argv)
     test_arguments();
     test_huge();
     test_boxes();
+    test_turns();
     return test_finish();
 }

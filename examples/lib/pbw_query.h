@@ -237,46 +237,47 @@ PBW__INLINE double pbwq__sides2(const double *points, const pbw_index *v, const 
 
 /* Where a walk ends. */
 typedef struct pbwq__location {
-    size_t simplex;
+    size_t simplex, steps;                           /* more steps than simplices: no triangulation has such a walk;
+                                                        there may be one where borrowed points have moved */
     unsigned leave;                                  /* PBWQ__INSIDE, PBWQ__MOVED, or the corner opposite to a hull
                                                         facet that has the query on the outer side */
     unsigned on;                                     /* if inside: the corners with the query on the opposite facet */
 } pbwq__location;
 
-/* Walks to p from location->simplex, always through the facet with the least orientation.  If that is certainly
-   negative the walk goes on; if it is certainly positive p is inside; otherwise exact signs decide.  A triangulation
-   has no walk of more steps than simplices; where borrowed points have moved, there may be one without end. */
-PBW__INLINE void pbwq__walk_of(const pbw_mesh *mesh, pbwq__location *location, const double *p,
-                               const pbw__grid *grid, int dim)
+/* Makes one step of a walk to p: from location->simplex through the facet with the least orientation, if that is
+   certainly negative; if it is certainly positive p is inside; otherwise exact signs decide.  Returns whether it is
+   not the end of the walk. */
+PBW__INLINE int pbwq__step(const pbw_mesh *mesh, pbwq__location *location, const double *p, const pbw__grid *grid,
+                           int dim)
 {
-    size_t t = location->simplex, steps = mesh->simplex_count;
-    for (;;) {
-        const pbw_index *v = mesh->simplices + t * (size_t)(dim + 1);
-        const pbw_index *next = mesh->neighbors + t * (size_t)(dim + 1);
-        double side[4], least, bound;
-        unsigned k, leave;
-        PBW__PREFETCH(next);                         /* so that it comes with the corners */
-        bound = dim == 3 ? pbwq__sides3(mesh->points, v, p, side) : pbwq__sides2(mesh->points, v, p, side);
-        k = side[1] < side[0];
-        leave = side[2] < side[k] ? 2 : k;
-        leave = dim == 3 && side[3] < side[leave] ? 3 : leave;
-        least = side[leave];
-        location->on = 0;
-        if (PBW__UNLIKELY(!(least < -bound))) {
-            leave = least > bound ? PBWQ__INSIDE : pbwq__side_exact(mesh, v, p, grid, &location->on);
-        }
-        if (leave >= PBWQ__INSIDE || next[leave] == PBW_NONE || steps-- == 0) {
-            location->simplex = t;
-            location->leave = leave >= PBWQ__INSIDE || next[leave] == PBW_NONE ? leave : PBWQ__MOVED;
-            return;
-        }
-        t = next[leave];
+    const size_t at = location->simplex * (size_t)(dim + 1);
+    const pbw_index *v = mesh->simplices + at, *next = mesh->neighbors + at;
+    double side[4], least, bound;
+    unsigned k, leave;
+    PBW__PREFETCH(next);                             /* so that it comes with the corners */
+    bound = dim == 3 ? pbwq__sides3(mesh->points, v, p, side) : pbwq__sides2(mesh->points, v, p, side);
+    k = side[1] < side[0];
+    leave = side[2] < side[k] ? 2 : k;
+    leave = dim == 3 && side[3] < side[leave] ? 3 : leave;
+    least = side[leave];
+    location->on = 0;
+    if (PBW__UNLIKELY(!(least < -bound))) {
+        leave = least > bound ? PBWQ__INSIDE : pbwq__side_exact(mesh, v, p, grid, &location->on);
     }
+    if (leave >= PBWQ__INSIDE || next[leave] == PBW_NONE || location->steps++ == mesh->simplex_count) {
+        location->leave = leave >= PBWQ__INSIDE || next[leave] == PBW_NONE ? leave : PBWQ__MOVED;
+        return 0;
+    }
+    location->simplex = next[leave];
+    return 1;
 }
 
+/* Walks to p from location->simplex. */
 static void pbwq__walk_to(const pbw_mesh *mesh, pbwq__location *location, const double *p, const pbw__grid *grid)
 {
-    PBW__BY_DIM(mesh->dim, pbwq__walk_of, mesh, location, p, grid);
+    location->steps = 0;
+    while (PBW__BY_DIM(mesh->dim, pbwq__step, mesh, location, p, grid)) {
+    }
 }
 
 /* Returns the lowest of the tetrahedra round the edge of t that lies in the facets opposite to corners i and j.  Sets
@@ -366,10 +367,10 @@ PBWDEF pbw_index pbw_locate_one(const pbw_mesh *mesh, const double *point, pbw_i
 /* ------------------------------------------------------------------------------------------------------
    >>batch        Many queries at a time: sorted, cut into blocks, answered by all threads; location; lists.
    In: a mesh, query points.  Out: for each query an item in an array, or a list.
-   Holds: blocks have a fixed size, so no answer depends on the number of threads.
+   Holds: sizes of blocks depend on the number of queries only, so no answer depends on the number of threads.
 
-   A batch is sorted along a Hilbert curve, as points are in >>order.  A walk starts where the last one of its block
-   ended; the first walk of a block starts from the nearest of a few vertices.  Lists take two passes: each block
+   A batch is sorted along a Hilbert curve, as points are in >>order.  A walk starts where the last one of its lane
+   ended, see below; the first one starts from the nearest of a few vertices.  Lists take two passes: each block
    writes its lists into a chunk; once all lengths are known, the chunks are copied to one array.
    ------------------------------------------------------------------------------------------------------ */
 #define PBWQ__BLOCK_QUERIES 512
@@ -642,6 +643,81 @@ static pbw_index pbwq__start_vertex(const pbw_mesh *mesh, const double *p)
     return best;
 }
 
+/* ---- walks in turn
+   Each step of a walk waits for memory: where it is, only the step before tells.  Where the mesh does not fit the
+   caches, a block makes several walks in turn, each for its own part of the queries, and each prefetches what its
+   next turn reads (Chen et al. 2004, "Improving hash join performance through prefetching"; Kocberber et al. 2015,
+   "Asynchronous memory access chaining"). */
+#define PBWQ__LANES 8
+
+typedef struct pbwq__lane {
+    size_t next, to;                                 /* its queries along the curve */
+    double q[4];                                     /* the next one */
+    int fetched;                                     /* how many of the loads that follow one another in its next step
+                                                        are prefetched; -1: q has not been read */
+    size_t simplex, steps;                           /* of location: where it is, and how many steps it has made */
+    pbwq__candidate best;                            /* of a search: the nearest vertex so far */
+} pbwq__lane;
+
+/* Makes a step of a walk, or prefetches for one.  several: there are other lanes. */
+typedef void pbwq__turn(pbwq__queries *queries, pbwq__scratch *scratch, pbwq__lane *lane, int several, int dim);
+
+/* Returns how many of `count` queries are a block of walks: in a long block fewer of them come from afar, but there
+   should be some 64 blocks for the threads. */
+static size_t pbwq__walk_block(size_t count)
+{
+    return count < 64 * PBWQ__BLOCK_QUERIES ? PBWQ__BLOCK_QUERIES : count < 64 * 2048 ? count / 64 : 2048;
+}
+
+/* Reads the next query of a lane, unless it has been read.  Returns whether it has read it. */
+PBW__INLINE int pbwq__lane_reads(const pbwq__queries *queries, pbwq__lane *lane)
+{
+    if (lane->fetched >= 0) {
+        return 0;
+    }
+    pbw__fetch(&queries->input, pbwq__query_of(queries, lane->next), lane->q);
+    if (lane->next + 1 < lane->to) {
+        pbw__fetch_soon(&queries->input, pbwq__query_of(queries, lane->next + 1));
+    }
+    lane->fetched = 2;                               /* the walk starts where the last one ended */
+    return 1;
+}
+
+/* Goes on to the next query of a lane. */
+PBW__INLINE void pbwq__lane_ends(pbwq__lane *lane)
+{
+    lane->next++;
+    lane->fetched = -1;
+}
+
+/* Answers a block of queries by walks, `lanes` of them in turn. */
+PBW__INLINE void pbwq__take_turns(pbwq__queries *queries, pbwq__scratch *scratch, size_t from, size_t to,
+                                  pbwq__turn *turn, size_t lanes, int dim)
+{
+    pbwq__lane lane[PBWQ__LANES];
+    size_t i;
+    int busy = 1;
+    for (i = 0; i < lanes; i++) {
+        lane[i].next = from + (to - from) * i / lanes;
+        lane[i].to = from + (to - from) * (i + 1) / lanes;
+        lane[i].fetched = -1;
+        if (lane[i].next < lane[i].to) {
+            pbw__fetch(&queries->input, pbwq__query_of(queries, lane[i].next), lane[i].q);
+            lane[i].best.vertex = pbwq__start_vertex(queries->mesh, lane[i].q);
+            lane[i].simplex = queries->mesh->incident[lane[i].best.vertex];
+        }
+    }
+    while (busy && !scratch->failed && !scratch->moved) {
+        busy = 0;
+        for (i = 0; i < lanes; i++) {
+            if (lane[i].next < lane[i].to) {
+                turn(queries, scratch, lane + i, lanes > 1, dim);
+                busy = 1;
+            }
+        }
+    }
+}
+
 /* ---- lists */
 PBWDEF void pbw_lists_free(pbw_lists *lists)
 {
@@ -770,27 +846,55 @@ static pbw_status pbwq__lists_end(pbwq__queries *queries, pbw_status status, pbw
 }
 
 /* ---- locate */
+PBW__INLINE void pbwq__locate_turn(pbwq__queries *queries, pbwq__scratch *scratch, pbwq__lane *lane, int several,
+                                   int dim)
+{
+    const pbw_mesh *mesh = queries->mesh;
+    const size_t query = pbwq__query_of(queries, lane->next);
+    pbwq__location location;
+    int hull, inside, k;
+    if (pbwq__lane_reads(queries, lane)) {
+        lane->steps = 0;
+    }
+    if (several && lane->fetched == 0 && mesh->original == NULL) {       /* else the points are in the caches */
+        const pbw_index *v = mesh->simplices + lane->simplex * (size_t)(dim + 1);
+        for (k = 0; k <= dim; k++) {
+            PBW__PREFETCH(mesh->points + v[k] * (size_t)dim);
+        }
+        lane->fetched = 1;
+        return;
+    }
+    location.simplex = lane->simplex;
+    location.steps = lane->steps;
+    while (pbwq__step(mesh, &location, lane->q, &queries->grid, dim)) {
+        if (several) {
+            PBW__PREFETCH(mesh->simplices + location.simplex * (size_t)(dim + 1));
+            PBW__PREFETCH(mesh->neighbors + location.simplex * (size_t)(dim + 1));
+            lane->simplex = location.simplex;
+            lane->steps = location.steps;
+            lane->fetched = 0;
+            return;
+        }
+    }
+    lane->simplex = location.simplex;
+    scratch->moved |= location.leave == PBWQ__MOVED;
+    inside = location.leave == PBWQ__INSIDE;
+    queries->simplices[query] = inside ? pbwq__lowest_with(mesh, location.simplex, location.on, &hull) : PBW_NONE;
+    if (queries->facets != NULL) {
+        queries->facets[query] = inside ? PBW_NONE : pbwq__facet_left(mesh, &location);
+    }
+    pbwq__lane_ends(lane);
+}
+
+/* In small meshes one walk after the other takes less time. */
 static void pbwq__locate_block(pbwq__queries *queries, pbwq__scratch *scratch, size_t block, size_t from, size_t to)
 {
     const pbw_mesh *mesh = queries->mesh;
-    pbwq__location location = { 0, 0, 0 };
-    size_t i;
     (void)block;
-    for (i = from; i < to && !scratch->moved; i++) {
-        const size_t query = pbwq__query_of(queries, i);
-        double p[4];
-        int hull, inside;
-        pbw__fetch(&queries->input, query, p);
-        if (i == from) {
-            location.simplex = mesh->incident[pbwq__start_vertex(mesh, p)];
-        }
-        pbwq__walk_to(mesh, &location, p, &queries->grid);
-        scratch->moved = location.leave == PBWQ__MOVED;
-        inside = location.leave == PBWQ__INSIDE;
-        queries->simplices[query] = inside ? pbwq__lowest_with(mesh, location.simplex, location.on, &hull) : PBW_NONE;
-        if (queries->facets != NULL) {
-            queries->facets[query] = inside ? PBW_NONE : pbwq__facet_left(mesh, &location);
-        }
+    if (mesh->simplex_count < 65536 || (mesh->original != NULL && mesh->point_count < 65536)) {
+        PBW__BY_DIM(mesh->dim, pbwq__take_turns, queries, scratch, from, to, pbwq__locate_turn, 1);
+    } else {
+        PBW__BY_DIM(mesh->dim, pbwq__take_turns, queries, scratch, from, to, pbwq__locate_turn, PBWQ__LANES);
     }
 }
 
@@ -811,7 +915,7 @@ PBWDEF pbw_status pbw_locate(const pbw_mesh *mesh, const double *points, size_t 
     } else if (status == PBW_OK) {
         queries.simplices = simplices;
         queries.facets = hull_facets;
-        status = pbwq__answer_all(&queries, pbwq__locate_block, count, PBWQ__BLOCK_QUERIES);
+        status = pbwq__answer_all(&queries, pbwq__locate_block, count, pbwq__walk_block(count));
     }
     return pbwq__queries_end(&queries, status);
 }
@@ -1467,52 +1571,47 @@ PBWDEF pbw_status pbw_stars(const pbw_mesh *mesh, const pbw_options *options, pb
 }
 
 /* ---- searches: the result is in scratch->found */
-/* Steps from *best to nearer neighbours until it is a nearest vertex.  Returns whether a neighbour is as near.
-   Without weights computed squares mostly decide, see pbwq__square_limit; otherwise all neighbours are compared
-   exactly. */
-PBW__INLINE int pbwq__descend_of(const pbwq__queries *queries, int dim, const double *q, pbwq__candidate *best)
+/* Steps from *best to a nearer neighbour, if there is one, and returns -1.  Otherwise *best is a nearest vertex:
+   returns whether a neighbour is as near.  Without weights computed squares mostly decide, see pbwq__square_limit;
+   otherwise all neighbours are compared exactly. */
+PBW__INLINE int pbwq__descend(const pbwq__queries *queries, const double *q, pbwq__candidate *best, int dim)
 {
     const pbw_mesh *mesh = queries->mesh;
-    const size_t *first = queries->stars->first;
-    for (;;) {
-        const pbw_index *item = queries->stars->item;
-        const pbw_index from = best->vertex;
-        size_t i = first[from];
-        const size_t end = first[from + (size_t)1];
-        int equal = 0;
-        if (mesh->weights == NULL) {                 /* branchless: unpredictable */
-            double least = HUGE_VAL;
-            pbw_index at = from;
-            size_t j;
-            for (j = i; j < end; j++) {
-                const double squared = pbw__squared(mesh->points + item[j] * (size_t)dim, q, dim);
-                at = squared < least ? item[j] : at;
-                least = squared < least ? squared : least;
-            }
-            if (least > pbwq__square_limit(best) && least < HUGE_VAL) {
-                return 0;
-            }
-            if (least < best->squared - 3.0 * best->slack) {
-                *best = pbwq__candidate_at(mesh, dim, q, at);
-                continue;
-            }
-            if (best->slack == 0.0 && least == best->squared) {
-                return 1;
-            }
+    const pbw_index *item = queries->stars->item;
+    const pbw_index from = best->vertex;
+    size_t i = queries->stars->first[from];
+    const size_t end = queries->stars->first[from + (size_t)1];
+    int equal = 0;
+    if (mesh->weights == NULL) {                     /* branchless: unpredictable */
+        double least = HUGE_VAL;
+        pbw_index at = from;
+        size_t j;
+        for (j = i; j < end; j++) {
+            const double squared = pbw__squared(mesh->points + item[j] * (size_t)dim, q, dim);
+            at = squared < least ? item[j] : at;
+            least = squared < least ? squared : least;
         }
-        for (; i < end; i++) {
-            pbwq__candidate other = pbwq__candidate_at(mesh, dim, q, item[i]);
-            const double gap = other.squared - best->squared, slack = other.slack + best->slack;
-            if (PBW__UNLIKELY(!(gap > slack))) {
-                const int order = pbwq__compare(mesh, q, &other, best);
-                equal |= order == 0;
-                *best = order < 0 ? other : *best;
-            }
+        if (least > pbwq__square_limit(best) && least < HUGE_VAL) {
+            return 0;
         }
-        if (best->vertex == from) {
-            return equal;
+        if (least < best->squared - 3.0 * best->slack) {
+            *best = pbwq__candidate_at(mesh, dim, q, at);
+            return -1;
+        }
+        if (best->slack == 0.0 && least == best->squared) {
+            return 1;
         }
     }
+    for (; i < end; i++) {
+        pbwq__candidate other = pbwq__candidate_at(mesh, dim, q, item[i]);
+        const double gap = other.squared - best->squared, slack = other.slack + best->slack;
+        if (PBW__UNLIKELY(!(gap > slack))) {
+            const int order = pbwq__compare(mesh, q, &other, best);
+            equal |= order == 0;
+            *best = order < 0 ? other : *best;
+        }
+    }
+    return best->vertex == from ? equal : -1;
 }
 
 /* Adds a vertex to scratch->seen.  Returns whether it is new there; 0 too if memory is short. */
@@ -1764,6 +1863,10 @@ static void pbwq__near_one(pbwq__queries *queries, pbwq__scratch *scratch, const
     if (equal && queries->k == 1) {
         equal = !PBW__BY_DIM(mesh->dim, pbwq__lowest_of_few, queries, q, lowest);
     }
+    if (!equal && queries->k == 1) {
+        pbwq__write_near(queries, q, query, 0, lowest);
+        return;
+    }
     if (equal || queries->k > PBWQ__NEAR_LIST) {
         pbwq__flood(queries, scratch, q, best, -1.0);
         if (queries->k > PBWQ__NEAR_LIST) {
@@ -1799,45 +1902,85 @@ static void pbwq__push_all(pbwq__queries *queries, pbwq__scratch *scratch, const
     }
 }
 
-/* Reads the i-th query along the curve, and sets q[3], the relative error of squares. */
-PBW__INLINE void pbwq__query_at(const pbwq__queries *queries, size_t i, double *q)
+/* Sets q[3], the relative error of squares. */
+PBW__INLINE void pbwq__set_error(const pbwq__queries *queries, double *q)
 {
     const double large = queries->large, limit = large / 805306368.0;        /* 2^23 units */
     int fits = large > 0.0, k;
-    pbw__fetch(&queries->input, pbwq__query_of(queries, i), q);
     for (k = 0; k < 3; k++) {
         fits &= (pbw__abs(q[k]) <= limit) & ((large + q[k]) - large == q[k]);
     }
     q[3] = fits ? 0.0 : PBW__REACH_ERROR * DBL_EPSILON;
 }
 
-/* Sets *best to a nearest vertex of q, by steps from *best, or at the start of a block from a guess.  Returns whether
-   another vertex is as near. */
-static int pbwq__query_descend(const pbwq__queries *queries, int start, const double *q, pbwq__candidate *best)
+/* Reads the i-th query along the curve. */
+PBW__INLINE void pbwq__query_at(const pbwq__queries *queries, size_t i, double *q)
+{
+    pbw__fetch(&queries->input, pbwq__query_of(queries, i), q);
+    pbwq__set_error(queries, q);
+}
+
+/* Sets *best to a nearest vertex of q, by steps from *best, or at the start of a block from a guess. */
+static void pbwq__query_descend(const pbwq__queries *queries, int start, const double *q, pbwq__candidate *best)
 {
     const pbw_mesh *mesh = queries->mesh;
     *best = pbwq__candidate_at(mesh, mesh->dim, q, start ? pbwq__start_vertex(mesh, q) : best->vertex);
-    return mesh->dim == 3 ? pbwq__descend_of(queries, 3, q, best) : pbwq__descend_of(queries, 2, q, best);
+    while (PBW__BY_DIM(mesh->dim, pbwq__descend, queries, q, best) < 0) {
+    }
 }
 
+PBW__INLINE void pbwq__nearest_turn(pbwq__queries *queries, pbwq__scratch *scratch, pbwq__lane *lane, int several,
+                                    int dim)
+{
+    const pbw_mesh *mesh = queries->mesh;
+    const pbw_lists *stars = queries->stars;
+    int equal;
+    if (pbwq__lane_reads(queries, lane)) {
+        pbwq__set_error(queries, lane->q);
+        lane->best = pbwq__candidate_at(mesh, dim, lane->q, lane->best.vertex);
+    }
+    if (several && lane->fetched < 2) {
+        size_t i = stars->first[lane->best.vertex];
+        const size_t end = stars->first[lane->best.vertex + (size_t)1];
+        if (lane->fetched++ == 0) {
+            PBW__PREFETCH(stars->item + i);
+            PBW__PREFETCH(stars->item + end - 1);
+            return;
+        }
+        for (; i < end; i++) {
+            PBW__PREFETCH(mesh->points + stars->item[i] * (size_t)dim);
+        }
+        return;
+    }
+    while ((equal = pbwq__descend(queries, lane->q, &lane->best, dim)) < 0) {
+        if (several) {
+            PBW__PREFETCH(stars->first + lane->best.vertex);
+            lane->fetched = 0;
+            return;
+        }
+    }
+    scratch->found_count = 0;
+    pbwq__near_one(queries, scratch, lane->q, pbwq__query_of(queries, lane->next), &lane->best, equal);
+    pbwq__lane_ends(lane);
+}
+
+/* In small meshes, and where points are along the curve, one search after the other takes less time. */
 static void pbwq__nearest_block(pbwq__queries *queries, pbwq__scratch *scratch, size_t block, size_t from, size_t to)
 {
-    pbwq__candidate best;
-    double q[4];
-    size_t i;
+    const pbw_mesh *mesh = queries->mesh;
     (void)block;
-    memset(&best, 0, sizeof(best));
-    for (i = from; i < to && !scratch->failed; i++) {
-        const size_t query = pbwq__query_of(queries, i);
-        pbwq__query_at(queries, i, q);
-        scratch->found_count = 0;
-        if (queries->mesh->simplex_count == 0) {
+    if (mesh->simplex_count == 0) {
+        for (; from < to && !scratch->failed; from++) {
+            double q[4];
+            pbwq__query_at(queries, from, q);
+            scratch->found_count = 0;
             pbwq__push_all(queries, scratch, q, -1.0);
-            pbwq__near_many(queries, scratch, q, query);
-        } else {
-            const int equal = pbwq__query_descend(queries, i == from, q, &best);
-            pbwq__near_one(queries, scratch, q, query, &best, equal);
+            pbwq__near_many(queries, scratch, q, pbwq__query_of(queries, from));
         }
+    } else if (mesh->simplex_count < 16384 || mesh->original != NULL) {
+        PBW__BY_DIM(mesh->dim, pbwq__take_turns, queries, scratch, from, to, pbwq__nearest_turn, 1);
+    } else {
+        PBW__BY_DIM(mesh->dim, pbwq__take_turns, queries, scratch, from, to, pbwq__nearest_turn, PBWQ__LANES);
     }
 }
 
@@ -1871,7 +2014,7 @@ static void pbwq__within_block(pbwq__queries *queries, pbwq__scratch *scratch, s
         if (mesh->simplex_count == 0) {
             pbwq__push_all(queries, scratch, q, queries->radius);
         } else {
-            (void)pbwq__query_descend(queries, i == from, q, &best);
+            pbwq__query_descend(queries, i == from, q, &best);
             if (pbwq__is_within(mesh, q, &best, queries->radius)) {
                 pbwq__flood(queries, scratch, q, &best, queries->radius);
             }
@@ -2462,7 +2605,7 @@ static pbw_status pbwq__nearest_all(pbwq__queries *queries, const pbw_lists *sta
     pbwq__find_unit(queries);
 #ifdef PBW__SIMD
     /* The tree knows no weights and at most PBWQ__NEAR_LIST neighbours.  With the caller's stars the mesh is faster
-       for few queries, and for one neighbour: in 0.5 to 1.1 of the time of the tree.  On lattices it takes 1.2 to 2.5
+       for few queries, and for one neighbour: in 0.5 to 0.7 of the time of the tree.  On lattices it takes 1.2 to 2.5
        times as long, but in the plane and along the curve 0.8. */
     const int tied = queries->large > 0.0 && (queries->mesh->dim == 3 || queries->mesh->original == NULL);
     if (pbw__simd_works() && queries->mesh->weights == NULL && queries->k <= PBWQ__NEAR_LIST
@@ -2474,7 +2617,8 @@ static pbw_status pbwq__nearest_all(pbwq__queries *queries, const pbw_lists *sta
 #endif
     status = pbwq__take_stars(queries, stars);
     status = status != PBW_OK ? status
-           : pbwq__answer_all(queries, pbwq__nearest_block, queries->input.count, PBWQ__BLOCK_QUERIES);
+           : pbwq__answer_all(queries, pbwq__nearest_block, queries->input.count,
+                            queries->k == 1 ? pbwq__walk_block(queries->input.count) : PBWQ__BLOCK_QUERIES);
     return status;
 }
 
@@ -3345,7 +3489,7 @@ static void pbwq__coordinates_of(pbwq__queries *queries, pbwq__scratch *scratch,
     if (right > 0) {
         pbwq__cavity_write(queries, scratch, block, query);
     } else if (right == 0) {
-        const pbwq__location location = { t, PBWQ__INSIDE, 0 };
+        const pbwq__location location = { t, 0, PBWQ__INSIDE, 0 };
         pbwq__barycentric(queries, scratch, block, query, &location, p);
     }
 }
@@ -3355,7 +3499,7 @@ static void pbwq__coordinates_block(pbwq__queries *queries, pbwq__scratch *scrat
 {
     const pbw_mesh *mesh = queries->mesh;
     const size_t dim = (size_t)mesh->dim;
-    pbwq__location end = { 0, 0, 0 };
+    pbwq__location end = { 0, 0, 0, 0 };
     size_t i;
     for (i = from; i < to && !scratch->failed && !scratch->moved; i++) {
         const size_t query = pbwq__query_of(queries, i);
