@@ -683,6 +683,15 @@ static uint64_t hash_wrap(const pbw_wrap_input *in, const pbw_wrap_options *how,
     return hash;
 }
 
+/* A job system with one thread, which begins with the last task. */
+static void run_backwards(void *user, int tasks, void (*task)(void *arg, int i), void *arg)
+{
+    *(long *)user += tasks;
+    while (tasks-- > 0) {
+        task(arg, tasks);
+    }
+}
+
 static void run_threads(void)
 {
     static shape s;
@@ -690,6 +699,7 @@ static void run_threads(void)
     pbw_wrap_options how;
     pbw_options options;
     uint64_t hash;
+    long tasks = 0;
     size_t i;
     memset(&s, 0, sizeof s);
     memset(&how, 0, sizeof how);
@@ -702,6 +712,9 @@ static void run_threads(void)
         options.threads = threads[i];
         CHECK(hash_wrap(&s.in, &how, &options) == hash);
     }
+    options.run = run_backwards;
+    options.run_user = &tasks;
+    CHECK(hash_wrap(&s.in, &how, &options) == hash && tasks > 100);
 }
 
 typedef struct asked { long before, after; } asked;      /* questions while it carves, and later */
