@@ -3551,6 +3551,7 @@ typedef struct pbwl__changing {
     pbw_index (*near)(void *arg, pbwl__core *core, size_t i);
     pbw_status (*change)(void *arg, pbwl__core *core, size_t i, pbw_index near);
     size_t count, slots, most_effort;                /* slots: per change; a task without free ones stops */
+    size_t deleted;                                  /* simplices that a change deletes, roughly */
     double begin, end;                               /* of the stage's progress */
     int once;                                        /* only the first round: others are left for another change */
     /* of a round */
@@ -3619,12 +3620,21 @@ static pbw_status pbwl__batch_range(const pbwl__changing *batch, pbwl__core *cor
     return status;
 }
 
+/* Makes room in a journal for so many changes at once, if there is memory for it: growing piece by piece copies it
+   time and again. */
+static void pbwl__journal_expect(const pbwl__changing *batch, pbwl__core *core, size_t count)
+{
+    (void)PBWL__CORE_GROW(core, saved, core->saved_count + batch->deleted * count);
+    (void)PBWL__CORE_GROW(core, used_slot, core->used_slot_count + batch->slots * count);
+}
+
 static void pbwl__batch_task(void *arg, int part)
 {
     pbwl__changing *batch = (pbwl__changing *)arg;
     pbwl__core *core = batch->core->task[part];
     pbw__kernel *kernel = &core->kernel;
     size_t from, count;
+    pbwl__journal_expect(batch, core, batch->round_count / (size_t)batch->parts);
     while (kernel->status == PBW_OK && !PBW__LOAD(&batch->stop) && !kernel->slots.no_room   /* others may have room */
            && (from = PBW__ADD(&batch->next, batch->grain)) < batch->round_count) {
         const size_t rest = batch->round_count - from;
@@ -3853,6 +3863,7 @@ static pbw_status pbwl__batch_all(pbwl__core *core, pbwl__changing *batch, int a
         pbwl__move_slots(core, core->task[part], core, needed - kernel->slots.free_count);
     }
     kernel->left_count = 0;
+    pbwl__journal_expect(batch, core, batch->round_count);
     return status == PBW_OK ? pbwl__batch_range(batch, core, batch->which, 0, batch->round_count) : status;
 }
 
@@ -4568,6 +4579,7 @@ static pbw_status pbwl__batch_run(pbw_live *live, size_t most_effort)
     batch.near = pbwl__near_leaving;
     batch.change = pbwl__change_leaving;
     batch.end = (double)live->leaving_count / all;
+    batch.deleted = live->dim == 3 ? 22 : 6;
     status = status == PBW_OK ? pbwl__batch_all(core, &batch, 0) : status;
     core->next_hidden_count = 0;
     for (i = 0; i < core->hidden_count; i++) {
@@ -4582,6 +4594,7 @@ static pbw_status pbwl__batch_run(pbw_live *live, size_t most_effort)
     batch.near = pbwl__near_arriving;
     batch.change = pbwl__change_arriving;
     batch.slots = live->dim == 3 ? 7 : 2;            /* on average */
+    batch.deleted = live->dim == 3 ? 18 : 4;
     batch.begin = batch.end;
     batch.end = 1.0;
     status = status == PBW_OK ? pbwl__batch_all(core, &batch, 0) : status;
@@ -4927,6 +4940,7 @@ static pbw_status pbwl__shift_all(pbw_live *live, size_t most_effort)
     batch.count = count;
     batch.slots = live->dim == 3 ? 2 : 0;            /* a removal frees slots, perhaps of another task */
     batch.once = live->dim == 2;
+    batch.deleted = live->dim == 3 ? 22 : 1;
     batch.most_effort = most_effort;
     batch.end = 0.9;
     core->effort = core->reinserted = core->untested_count = 0;
