@@ -232,6 +232,7 @@ typedef struct pbwl__core {
     size_t next_hidden_capacity, next_container_capacity, touched_capacity;
     size_t vertex_count, unused_count, hidden_count, next_hidden_count, placed, duplicate_count, saved_simplices;
     unsigned char *touched;                          /* per slot: 1 if it is in a journal */
+    int sorted;                                      /* the vertices are in the order of a build of them */
     struct pbwl__core **task;                        /* >>tasks */
     size_t task_capacity, tasks;
     /* owned by one thread from here on */
@@ -1986,6 +1987,7 @@ static pbw_status pbwl__core_build(pbw__context *context, pbwl__gathered *gather
         status = pbwl__core_pack(context, core, &vertices);
     }
     status = status == PBW_OK ? pbwl__core_start(context, core, &vertices) : status;
+    core->sorted = 1;
     if (status == PBW_OK) {
         status = pbwl__core_scan(core);
         pbwl__swap_hidden(core);
@@ -4604,7 +4606,8 @@ static pbw_status pbwl__batch_run(pbw_live *live, size_t most_effort)
 /* Saves what pbwl__batch_undo needs besides edits and the journal. */
 static void pbwl__batch_begin(pbw_live *live)
 {
-    const pbwl__core *core = &live->core;
+    pbwl__core *core = &live->core;
+    core->sorted = 0;
     live->edit_count = 0;
     live->saved_vertices = core->vertex_count;
     live->saved_unused = core->unused_count;
@@ -5421,6 +5424,7 @@ typedef struct pbwl__viewing {
     const pbw_live *live;
     pbw_mesh *mesh;
     size_t duplicates;
+    int sorted;                                      /* ranks are vertices, and nothing was sorted */
     const pbw_index *list;                           /* per entry of the sort's input: its vertex; NULL: all */
     pbw_index *id;                                   /* per rank */
     pbw_index *rank;                                 /* per vertex */
@@ -5529,15 +5533,29 @@ static size_t pbwl__gather_duplicates(void *arg, size_t from, size_t to, size_t 
     return found;
 }
 
-/* Sorts the vertices.  Copies them to `gathered` if some were removed, or if there are duplicates, which count for
-   the grid of the keys. */
-static pbw_status pbwl__view_order(const pbw_live *live, pbw__context *context, pbwl__gathered *gathered,
+/* Sorts the vertices, unless they are as a build sorted them.  Copies them to `gathered` if some were removed, or if
+   there are duplicates, which count for the grid of the keys. */
+static pbw_status pbwl__view_order(pbwl__viewing *viewing, pbw__context *context, pbwl__gathered *gathered,
                                    pbw__vertices *vertices)
 {
+    const pbw_live *live = viewing->live;
     const pbwl__core *core = &live->core;
     const size_t width = (size_t)live->dim + 1;
     pbwl__gathering gathering = { live, gathered };
     pbw__input input;
+    if (core->unused_count == 0 && core->vertex_count == live->points && core->sorted) {
+        viewing->sorted = 1;
+        memset(vertices, 0, sizeof(*vertices));
+        vertices->dim = live->dim;
+        vertices->weighted = live->weighted_before;
+        vertices->width = 1;
+        vertices->count = vertices->point_count = live->points;
+        vertices->id = (pbw_index *)pbw__allocate_large(context, live->points + 1, sizeof(pbw_index));
+        if (vertices->id != NULL) {
+            vertices->id[0] = PBW_NONE;
+        }
+        return vertices->id != NULL ? PBW_OK : PBW_ERROR_MEMORY;
+    }
     if (core->unused_count == 0 && core->vertex_count == live->points) {
         input = pbw__input_of(live->dim, 0, core->record + width, core->record + 2 * width - 1, live->points);
         input.weights = live->weighted_before ? input.weights : NULL;
@@ -5565,8 +5583,9 @@ static pbw_status pbwl__view_ranks(void *arg, size_t from, size_t to)
     const pbw_index *name = viewing->live->core.name, *list = viewing->list;
     size_t r;
     for (r = from + 1; r <= to; r++) {
-        const size_t soon = viewing->id[r + 16 <= to ? r + 16 : r], near = list != NULL ? list[soon] : soon + 1;
-        const pbw_index v = list != NULL ? list[viewing->id[r]] : viewing->id[r] + 1;
+        const size_t next = r + 16 <= to ? r + 16 : r, soon = viewing->sorted ? next - 1 : viewing->id[next];
+        const size_t near = list != NULL ? list[soon] : soon + 1;
+        const pbw_index v = list != NULL ? list[viewing->id[r]] : viewing->sorted ? (pbw_index)r : viewing->id[r] + 1;
         PBW__PREFETCH(name + near);
         PBW__PREFETCH_TO_WRITE(viewing->rank + near);
         viewing->id[r] = name[v];
@@ -5661,7 +5680,7 @@ static pbw_status pbwl__view(const pbw_live *live, pbw__context *context, pbw_me
         status = pbw__make_incident(context, owned, mesh, 1, NULL) == NULL ? PBW_ERROR_MEMORY : PBW_DEGENERATE;
     } else if (status == PBW_OK) {
         status = pbw__enter_stage(context, PBW_STAGE_ORDER) ? PBW_CANCELLED
-               : pbwl__view_order(live, context, &gathered, &vertices);
+               : pbwl__view_order(&viewing, context, &gathered, &vertices);
         viewing.list = gathered.list;
         if (status == PBW_OK) {
             status = pbw__enter_stage(context, PBW_STAGE_OUTPUT) ? PBW_CANCELLED
