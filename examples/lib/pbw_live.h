@@ -367,21 +367,57 @@ PBW__INLINE unsigned pbwl__facets_fit(const pbw_index *t, unsigned k, const pbw_
 }
 
 /* ---- arrays by many threads; completes even if the call is cancelled */
-typedef struct pbwl__setting { unsigned char *start; size_t bytes; int value, tasks; } pbwl__setting;
+typedef struct pbwl__setting {
+    unsigned char *start;
+    const unsigned char *source;                     /* NULL: all become `value` */
+    size_t bytes;
+    int value, tasks;
+} pbwl__setting;
 
 static void pbwl__set_share(void *arg, int task)
 {
     const pbwl__setting *setting = (const pbwl__setting *)arg;
     const size_t from = pbw__share(setting->bytes, task, setting->tasks);
-    memset(setting->start + from, setting->value, pbw__share(setting->bytes, task + 1, setting->tasks) - from);
+    const size_t bytes = pbw__share(setting->bytes, task + 1, setting->tasks) - from;
+    if (setting->source != NULL) {
+        memcpy(setting->start + from, setting->source + from, bytes);
+    } else {
+        memset(setting->start + from, setting->value, bytes);
+    }
+}
+
+static void pbwl__set_or_copy(pbw__context *context, void *start, const void *source, int value, size_t bytes)
+{
+    pbwl__setting setting = { (unsigned char *)start, (const unsigned char *)source, bytes, value, 1 };
+    setting.tasks = pbw__tasks(context, bytes, 262144);
+    pbw__for(context, setting.tasks, pbwl__set_share, &setting);
 }
 
 static void pbwl__set_bytes(pbw__context *context, void *start, int value, size_t bytes)
 {
-    pbwl__setting setting = { (unsigned char *)start, bytes, value, 1 };
-    setting.tasks = pbw__tasks(context, bytes, 262144);
-    pbw__for(context, setting.tasks, pbwl__set_share, &setting);
+    pbwl__set_or_copy(context, start, NULL, value, bytes);
 }
+
+/* pbw_memory_grow for arrays of all vertices: if there is room for both, all threads copy the old one to the new one. */
+static int pbwl__grow_shared(pbw__context *context, void *array, size_t *capacity, size_t needed, size_t size)
+{
+    const size_t larger = *capacity + *capacity / 4 + 16, wanted = needed > larger ? needed : larger;
+    void *old, *block = NULL;
+    if (needed > *capacity && pbw__tasks(context, *capacity * size, 262144) > 1) {
+        block = pbw__allocate_large(context, wanted, size);
+    }
+    if (block == NULL) {
+        return pbw_memory_grow(&context->memory, array, capacity, needed, 0, size);
+    }
+    memcpy(&old, array, sizeof(old));
+    pbwl__set_or_copy(context, block, old, 0, *capacity * size);
+    pbw__release(&context->memory, old, *capacity, size);
+    memcpy(array, &block, sizeof(block));
+    *capacity = wanted;
+    return 1;
+}
+#define PBWL__GROW_SHARED(core, x, needed) \
+    pbwl__grow_shared((core)->kernel.context, &(core)->x, &(core)->x##_capacity, needed, sizeof(*(core)->x))
 
 /* Lists those of a range of items that are wanted, from index `at` of a list on, or only counts them if at is
    PBWL__COUNT.  Returns how many they are. */
@@ -4052,9 +4088,9 @@ static int pbwl__vertex_reserve(pbwl__core *core, size_t more)
     const size_t vertices = core->vertex_count + (more > core->unused_count ? more - core->unused_count : 0) + 1;
     const size_t old = core->link_index_capacity;
     const int enough = vertices < PBWL__VERTEX_REMOVED
-        && PBWL__CORE_GROW(core, record, vertices * ((size_t)core->kernel.dim + 1))
-        && PBWL__CORE_GROW(core, name, vertices) && PBWL__CORE_GROW(core, incident, vertices)
-        && PBWL__CORE_GROW(core, link_index, vertices) && PBWL__CORE_GROW(core, neighbor, vertices);
+        && PBWL__GROW_SHARED(core, record, vertices * ((size_t)core->kernel.dim + 1))
+        && PBWL__GROW_SHARED(core, name, vertices) && PBWL__GROW_SHARED(core, incident, vertices)
+        && PBWL__GROW_SHARED(core, link_index, vertices) && PBWL__GROW_SHARED(core, neighbor, vertices);
     core->kernel.record = core->record;              /* it may have moved even if memory ran short later */
     memset(core->link_index + old, 0, (core->link_index_capacity - old) * sizeof(pbw_index));
     return enough;
