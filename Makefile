@@ -21,6 +21,7 @@ EXAMPLES = $(patsubst examples/%.c,%,$(filter-out examples/mpi.c,$(wildcard exam
 MPI = $(if $(shell command -v mpicc),$B/mpi)
 EXAMPLES_CXX = $(if $(shell command -v $(firstword $(CXX))),$(patsubst examples/%.cpp,%,$(wildcard examples/*.cpp)))
 EXPECTED = $(patsubst examples/expected/%.txt,%,$(wildcard examples/expected/*.txt))
+PRINTING = $(patsubst %,$B/%,$(filter $(EXAMPLES) $(EXAMPLES_CXX),$(EXPECTED)))        # what is expected
 FUZZERS = $(patsubst tests/%.c,%,$(wildcard tests/fuzz_*.c))
 HEADERS = pbw.h $(wildcard tests/*.h examples/*.h examples/lib/*.h examples/program/*.h)
 SCRIPTS = $(filter packaging interface hashes examples asm oracle cells cmake csharp cuda fill gappa install page plane \
@@ -187,7 +188,7 @@ $(SCRIPTS:%=$B/%.log) $B/arm.log: $B/%.log: tests/%.sh FORCE
 
 $B/test_io.log: $B/pbw
 $B/view.log: $B/pbw $B/swarm $B/terrain
-$B/examples.log: $(patsubst %,$B/%,$(filter $(EXAMPLES) $(EXAMPLES_CXX),$(EXPECTED)))
+$B/examples.log: $(PRINTING)
 $B/python.log: $B/libpbw_python.so $B/pbw
 $B/csharp.log: $B/libpbw.so
 $B/install.log: $B/pbw $B/libpbw.a $B/libpbw.so
@@ -196,13 +197,14 @@ $B/tiles.log: $(MPI)
 $B/asm.log $B/hashes.log $B/oracle.log $B/cells.log $B/web.log $B/packaging.log: $B/libpbw.a
 $B/asm.log $B/hashes.log $B/tiles.log: $B/companions.a
 
-# One that does not compile is a failure, and the others still run.  The long ones come first, and are compiled before
-# all: make would only come back to one whose program is not there when it has started all others.
+# One that does not compile is a failure, and the others still run.  The long ones come first, and they and examples are
+# compiled before all: make would only come back to one whose program is not there when it has started all others.
 FIRST = $(filter $(SLOWEST),$(TESTS))
 REST = $(filter-out $(SLOWEST),$(TESTS))
 test-all: LOGS = $(patsubst %,$B/%.log,$(FIRST) $(SCRIPTS) $(REST))
 test: LOGS = $(patsubst %,$B/%.log,$(FIRST) $(filter-out $(LONG),$(SCRIPTS)) $(REST))
 test-all test programs: BEFORE = $(strip $(if $(filter-out $(ALONE),$(TESTS)),$B/libpbw.a) $(FIRST:%=$B/%))
+test-all test: BEFORE += $(if $(filter examples,$(SCRIPTS)),$B/pbw $(PRINTING))
 test: export QUICK = 1
 QUICK_test_answer = --count 6000
 QUICK_test_predicates = --count 50000
