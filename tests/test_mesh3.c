@@ -81,6 +81,13 @@ static int is_sound(const pbw_tets *t)
 }
 
 /* Four threads make the mesh that one made. */
+static int is_same(const pbw_tets *a, const pbw_tets *b)
+{
+    return a->tet_count == b->tet_count && a->point_count == b->point_count
+        && memcmp(a->corners, b->corners, 16 * a->tet_count) == 0
+        && memcmp(a->points, b->points, 24 * a->point_count) == 0;
+}
+
 static void check_threads(const pbw_solid_input *in, const pbw_solid_options *how, const pbw_tets *mesh)
 {
     pbw_options threads;
@@ -88,9 +95,7 @@ static void check_threads(const pbw_solid_input *in, const pbw_solid_options *ho
     memset(&threads, 0, sizeof threads);
     threads.threads = 4;
     CHECK_EQUAL(pbw_solid(in, how, &threads, &other, NULL, NULL), PBW_OK);
-    CHECK(mesh->tet_count == other.tet_count && mesh->point_count == other.point_count
-          && memcmp(mesh->corners, other.corners, 16 * mesh->tet_count) == 0
-          && memcmp(mesh->points, other.points, 24 * mesh->point_count) == 0);
+    CHECK(is_same(mesh, &other));
     pbw_tets_free(&other);
 }
 
@@ -1700,37 +1705,67 @@ static void test_warnings(void)
     test_end();
 }
 
-/* Refuses one request for memory and all after it, then one more, until none is refused. */
+/* Refuses one request for memory, alone or with all after it, then the next one, until none is refused: the call fails
+   or makes the same mesh. */
 static void check_allocations(const pbw_solid_input *in, const pbw_solid_options *how, pbw_options *options,
                               meter *memory)
 {
     pbw_solid_boundary boundary;
-    pbw_tets mesh;
-    pbw_status status = PBW_ERROR_MEMORY;
+    pbw_tets mesh, other;
+    pbw_status status = PBW_OK;
     long k;
-    for (k = 1; status == PBW_ERROR_MEMORY && k < 5000; k++) {
-        meter_start(memory, k, 1);
-        status = pbw_solid(in, how, options, &mesh, &boundary, NULL);
-        CHECK(status == PBW_ERROR_MEMORY || (mesh.tet_count > 0 && boundary.facet_count > 0));
-        pbw_solid_boundary_free(&boundary);
+    int all, refused;
+    CHECK_EQUAL(pbw_solid(in, how, NULL, &mesh, NULL, NULL), PBW_OK);
+    for (all = 0; all < 2; all++) {
+        for (k = refused = 1; refused && k < 5000; k++) {
+            meter_start(memory, k, all);
+            status = pbw_solid(in, how, options, &other, &boundary, NULL);
+            refused = memory->refused > 0;
+            CHECK(status == PBW_ERROR_MEMORY ? refused : is_same(&mesh, &other) && boundary.facet_count > 0);
+            pbw_solid_boundary_free(&boundary);
+            pbw_tets_free(&other);
+            CHECK(memory->blocks == 0 && memory->faults == 0);
+        }
+        CHECK(k > 50 && status == PBW_OK);
+    }
+    pbw_tets_free(&mesh);
+}
+
+/* Cancels at one question, then at the next one, until there are no more: nothing is left. */
+static void check_cancelling(const pbw_solid_input *in, const pbw_solid_options *how, pbw_options *options,
+                             meter *memory)
+{
+    pbw_status status = PBW_CANCELLED;
+    pbw_tets mesh;
+    watch w;
+    long k;
+    meter_start(memory, 0, 0);
+    options->progress = watch_progress;
+    options->progress_user = &w;
+    for (k = 1; status == PBW_CANCELLED && k < 5000; k++) {
+        watch_start(&w, k);
+        status = pbw_solid(in, how, options, &mesh, NULL, NULL);
+        CHECK(w.wrong == 0);
+        CHECK(status == PBW_OK || mesh.points == NULL);
         pbw_tets_free(&mesh);
-        CHECK(memory->blocks == 0 && memory->faults == 0);
+        CHECK(memory->blocks == 0);
     }
     CHECK(k > 50 && status == PBW_OK);
+    options->progress = NULL;
 }
 
 static void test_failures(void)
 {
     static const double corner[4][3] = { { 0, 0, 0 }, { 1, 1, 1 }, { 2, 2, 2 }, { 3, 3, 3 } };
-    static part m, two;
+    static part m, two, horn;
     pbw_options options;
     pbw_solid_options how;
     pbw_solid_input in;
+    pbw_solid_report r;
     pbw_tets mesh;
-    pbw_status status = PBW_ERROR_MEMORY;
     meter memory;
-    watch w;
-    long k;
+    double line[13][2];
+    size_t k;
     if (!test_begin("failing allocations, cancelling")) {
         return;
     }
@@ -1744,23 +1779,30 @@ static void test_failures(void)
     options.resize = meter_resize;
     options.resize_user = &memory;
     check_allocations(&in, &how, &options, &memory);
+    check_cancelling(&in, &how, &options, &memory);
+    how.improve.target = -1;
     (void)part_box(&two, corner[0], corner[2], 0);   /* boxes that cross */
     (void)part_box(&two, corner[1], corner[3], 0);
     in = input_of(&two);
+    CHECK_EQUAL(pbw_solid(&in, &how, NULL, &mesh, NULL, &r), PBW_OK);
+    CHECK(r.united);
+    pbw_tets_free(&mesh);
     check_allocations(&in, &how, &options, &memory);
-    in = input_of(&m);
-    meter_start(&memory, 0, 0);
-    options.progress = watch_progress;
-    options.progress_user = &w;
-    for (k = 1, status = PBW_CANCELLED; status == PBW_CANCELLED && k < 1000; k++) {
-        watch_start(&w, k);
-        status = pbw_solid(&in, &how, &options, &mesh, NULL, NULL);
-        CHECK(w.wrong == 0);
-        CHECK(status == PBW_OK || mesh.points == NULL);
-        pbw_tets_free(&mesh);
-        CHECK(memory.blocks == 0);
+    check_cancelling(&in, &how, &options, &memory);
+    for (k = 0; k < 13; k++) {                       /* a ball with a horn, of which the tip is reached after rounds */
+        line[k][0] = k % 12 == 0 ? 0 : sin(PARTS_PI * (double)k / 12);
+        line[k][1] = k == 12 ? 3 : -cos(PARTS_PI * (double)k / 12);
     }
-    CHECK(k > 5 && status == PBW_OK);
+    (void)part_turned(&horn, 13, (const double (*)[2])line, 12, 0);
+    in = input_of(&horn);
+    how.size = 1.2;
+    how.rounds = 2;
+    how.sharp = PBW_SOLID_SHARP_NONE;
+    CHECK_EQUAL(pbw_solid(&in, &how, NULL, &mesh, NULL, &r), PBW_OK);
+    CHECK(r.distance < 1.2);                         /* 1.66 where it is not reached */
+    pbw_tets_free(&mesh);
+    check_allocations(&in, &how, &options, &memory);
+    check_cancelling(&in, &how, &options, &memory);
     test_end();
 }
 

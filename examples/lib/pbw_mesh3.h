@@ -2480,13 +2480,15 @@ static int pbwm3__flip_edge(pbwm3__cutting *c, pbw_index edge)
 }
 
 /* Makes a b an edge, by flips of those that it crosses (Sloan 1993, "A fast algorithm for generating constrained
-   Delaunay triangulations").  queue: room.  Returns 0 if a vertex is on it or flips do not end, or without memory. */
-static int pbwm3__insert_edge(pbwm3__work *w, pbwm3__cutting *c, pbw_index a, pbw_index b, pbwsf__pairs *queue)
+   Delaunay triangulations").  queue: room.  Returns PBW_DEGENERATE if a vertex is on it or flips do not end. */
+static pbw_status pbwm3__insert_edge(pbwm3__work *w, pbwm3__cutting *c, pbw_index a, pbw_index b,
+                                     pbwsf__pairs *queue)
 {
     pbw_index edge = pbwm3__find_across_from(c, a, b, 1);
     size_t done, most;
     if (edge == PBW_NONE || c->corner.at[edge] != a) {           /* it is one */
-        return pbwm3__find_across_from(c, a, b, 0) != PBW_NONE || pbwm3__find_across_from(c, b, a, 0) != PBW_NONE;
+        return pbwm3__find_across_from(c, a, b, 0) != PBW_NONE || pbwm3__find_across_from(c, b, a, 0) != PBW_NONE
+             ? PBW_OK : PBW_DEGENERATE;
     }
     queue->count = 0;
     for (;;) {                                       /* along a b, to the triangle of b */
@@ -2496,7 +2498,7 @@ static int pbwm3__insert_edge(pbwm3__work *w, pbwm3__cutting *c, pbw_index a, pb
         pbw_index j, apex;
         int side;
         if (s == PBW_NONE || !PBWM3__APPEND(w, *queue, pair)) {
-            return 0;
+            return s == PBW_NONE ? PBW_DEGENERATE : PBW_ERROR_MEMORY;
         }
         n = c->next.at + 3 * (size_t)s;
         j = n[0] == t ? 0 : n[1] == t ? 1 : 2;
@@ -2506,7 +2508,7 @@ static int pbwm3__insert_edge(pbwm3__work *w, pbwm3__cutting *c, pbw_index a, pb
         }
         side = pbwm3__turn(c, a, b, apex);
         if (side == 0) {
-            return 0;
+            return PBW_DEGENERATE;
         }
         edge = 3 * s + (side > 0 ? (j + 1) % 3 : (j + 2) % 3);
     }
@@ -2516,8 +2518,8 @@ static int pbwm3__insert_edge(pbwm3__work *w, pbwm3__cutting *c, pbw_index a, pb
         pbw_index pair[2], s;
         edge = pbwm3__find_across_from(c, u, v, 0);
         s = edge != PBW_NONE ? c->next.at[edge] : PBW_NONE;
-        if (s == PBW_NONE) {
-            return 0;
+        if (s == PBW_NONE || pbwm3__ends_at(w, done, 1024)) {
+            return s == PBW_NONE ? PBW_DEGENERATE : PBW_CANCELLED;
         }
         pair[0] = u;
         pair[1] = v;
@@ -2530,10 +2532,10 @@ static int pbwm3__insert_edge(pbwm3__work *w, pbwm3__cutting *c, pbw_index a, pb
             }
         }
         if (!PBWM3__APPEND(w, *queue, pair)) {
-            return 0;
+            return PBW_ERROR_MEMORY;
         }
     }
-    return done == queue->count;
+    return done == queue->count ? PBW_OK : PBW_DEGENERATE;
 }
 
 /* Triangulates the vertices of a triangle.  Returns PBW_DEGENERATE if they are collinear. */
@@ -2630,7 +2632,7 @@ static pbw_status pbwm3__cut_triangle(pbwm3__work *w, pbwm3__cutting *c, pbw_ind
     status = pbwm3__triangulate_flat(w, c);
     for (i = 0; status == PBW_OK && i < c->border.count + c->inner.count; i++) {
         const pbw_index *pair = i < c->border.count ? c->border.at[i] : c->inner.at[i - c->border.count];
-        status = pbwm3__insert_edge(w, c, pair[0], pair[1], queue) ? PBW_OK : PBW_DEGENERATE;
+        status = pbwm3__ends_at(w, i, 64) ? PBW_CANCELLED : pbwm3__insert_edge(w, c, pair[0], pair[1], queue);
     }
     for (i = 0; status == PBW_OK && i < c->border.count + c->inner.count; i++) {    /* no edge took another's place */
         const pbw_index *pair = i < c->border.count ? c->border.at[i] : c->inner.at[i - c->border.count];
@@ -5296,7 +5298,12 @@ static int pbwm3__list_stars(pbwm3__work *w, const unsigned char *flag, pbwsf__c
 
 enum { PBWM3__REACHES = 8 };               /* passes: each reaches points behind those of the one before */
 
-typedef struct pbwm3__reaching { const pbwm3__work *w; unsigned char *bound; } pbwm3__reaching;
+typedef struct pbwm3__reaching {
+    const pbwm3__work *w;
+    unsigned char *bound;                  /* per point: 1, the boundary has it, or passes by near enough */
+    pbw_surface boundary;
+    double enough;
+} pbwm3__reaching;
 
 /* Marks the points that the boundary has. */
 static pbw_status pbwm3__bound_range(void *arg, size_t from, size_t to)
@@ -5311,6 +5318,16 @@ static pbw_status pbwm3__bound_range(void *arg, size_t from, size_t to)
                 PBW_ATOMIC_STORE(&r->bound[v], 1);
             }
         }
+    }
+    return PBW_OK;
+}
+
+/* Marks the points that are near the boundary. */
+static pbw_status pbwm3__near_range(void *arg, size_t from, size_t to)
+{
+    const pbwm3__reaching *r = (const pbwm3__reaching *)arg;
+    for (; from < to; from++) {
+        r->bound[from] = r->bound[from] || pbwsf__is_near(&r->boundary, r->w->x.at[from], r->enough);
     }
     return PBW_OK;
 }
@@ -5433,37 +5450,36 @@ static int pbwm3__reach_point(pbwm3__work *w, unsigned char *bound, const size_t
     return bound[v];
 }
 
-/* Marks in `bound` all points but those of the surface that are far from the boundary, and in `flag` the corners of
-   the far points' tetrahedra.  *far: how many are far. */
-static pbw_status pbwm3__find_far(pbwm3__work *w, unsigned char *bound, unsigned char *flag, size_t *far)
+/* Marks in r->bound all points but those of the surface that are far from the boundary, and in `flag` the corners of
+   the far points' tetrahedra.  *count: how many are far. */
+static pbw_status pbwm3__find_far(pbwm3__work *w, pbwm3__reaching *r, unsigned char *flag, size_t *count)
 {
     const pbw_index *c = w->now.mesh.simplices;
-    const double enough = PBWM3__TIP_DISTANCE * w->distance * w->size;
     pbwsf__triples facets = { NULL, 0, 0 };
-    pbw_surface boundary;
-    pbw_status status = PBW_OK;
+    pbw_status status = pbw_for(pbwm3__inner_options(w), w->now.mesh.simplex_count, PBWM3__SLICE, pbwm3__bound_range,
+                                r);
     size_t i, passed = 0;
-    *far = 0;
-    memset(&boundary, 0, sizeof boundary);
+    *count = 0;
     for (i = 0; i < w->x.count; i++) {
-        bound[i] |= w->kind.at[i] > PBWM3__SMOOTH;
-        passed += !bound[i];
+        r->bound[i] |= w->kind.at[i] > PBWM3__SMOOTH;
+        passed += !r->bound[i];
     }
-    if (passed > 0) {
-        status = !pbwm3__list_boundary(w, &facets, NULL) ? PBW_ERROR_MEMORY
-               : pbwm3__make_surface(w, w->x.at[0], w->x.count, facets.at[0], facets.count, &boundary);
+    if (status != PBW_OK || passed == 0) {
+        return status;
     }
-    for (i = 0; i < w->x.count && passed > 0 && status == PBW_OK; i++) {
-        bound[i] = bound[i] || pbwsf__is_near(&boundary, w->x.at[i], enough);
-        *far += !bound[i];
+    status = !pbwm3__list_boundary(w, &facets, NULL) ? PBW_ERROR_MEMORY
+           : pbwm3__make_surface(w, w->x.at[0], w->x.count, facets.at[0], facets.count, &r->boundary);
+    status = status != PBW_OK ? status : pbw_for(pbwm3__inner_options(w), w->x.count, 256, pbwm3__near_range, r);
+    for (i = 0; i < w->x.count; i++) {
+        *count += !r->bound[i];
     }
-    for (i = 0; i < 4 * w->now.mesh.simplex_count && *far > 0; i++) {
-        if (!bound[c[i]]) {
+    for (i = 0; i < 4 * w->now.mesh.simplex_count && *count > 0; i++) {
+        if (!r->bound[c[i]]) {
             const pbw_index *all = c + i / 4 * 4;
             flag[all[0]] = flag[all[1]] = flag[all[2]] = flag[all[3]] = 1;
         }
     }
-    pbwm3__drop_surface(w, &boundary);
+    pbwm3__drop_surface(w, &r->boundary);
     PBW_RELEASE(&w->memory, facets);
     return status;
 }
@@ -5476,24 +5492,26 @@ static pbw_status pbwm3__reach_points(pbwm3__work *w)
     pbwsf__flags bound = { NULL, 0, 0 }, flag = { NULL, 0, 0 };
     pbwm3__reaching reaching;
     pbw_status status = PBW_ERROR_MEMORY;
-    size_t i, far = 0;
+    size_t i, count = 0, reached = 0;
     int pass, changed = 1;
     if (pbwm3__has_crossings(w)) {                   /* parts of the surface may be inside */
         return PBW_OK;
     }
     if (PBW_ZEROS(&w->memory, bound, w->x.count + 1) && PBW_ZEROS(&w->memory, flag, w->x.count + 1)) {
+        memset(&reaching, 0, sizeof reaching);
         reaching.w = w;
         reaching.bound = bound.at;
-        status = pbw_for(pbwm3__inner_options(w), w->now.mesh.simplex_count, PBWM3__SLICE, pbwm3__bound_range,
-                         &reaching);
-        status = status != PBW_OK ? status : pbwm3__find_far(w, bound.at, flag.at, &far);
-        status = status != PBW_OK || far == 0 || pbwm3__list_stars(w, flag.at, &first, &tets) ? status
+        reaching.enough = PBWM3__TIP_DISTANCE * w->distance * w->size;
+        status = pbwm3__find_far(w, &reaching, flag.at, &count);
+        status = status != PBW_OK || count == 0 || pbwm3__list_stars(w, flag.at, &first, &tets) ? status
                : PBW_ERROR_MEMORY;
     }
-    for (pass = 0; pass < PBWM3__REACHES && status == PBW_OK && far > 0 && changed; pass++) {
+    for (pass = 0; pass < PBWM3__REACHES && status == PBW_OK && count > 0 && changed; pass++) {
         changed = 0;
-        for (i = 0; i < w->x.count && !pbwm3__ends_at(w, i, 4096); i++) {
-            changed += !bound.at[i] && pbwm3__reach_point(w, bound.at, first.at, tets.at, i);
+        for (i = 0; i < w->x.count && !pbwm3__has_ended(w); i++) {
+            if (!bound.at[i] && !pbwm3__ends_at(w, reached++, 16)) {
+                changed += pbwm3__reach_point(w, bound.at, first.at, tets.at, i);
+            }
         }
         status = pbwm3__has_ended(w) ? PBW_CANCELLED : PBW_OK;
     }
