@@ -755,10 +755,54 @@ static void test_no_doubles(void)
     full_bits = 0;
 }
 
+/* A box with rows of needles, turned: their planes differ by roundings, so that all of their edges are segments. */
+static void test_needles(void)
+{
+    static const int corner[4][2] = { { 0, 0 }, { 1, 0 }, { 1, 1 }, { 0, 1 } };
+    enum { NEEDLES = 200 };
+    size_t i, k;
+    if (test_begin("rows of needles")) {
+        const double c = cos(0.7), s = sin(0.7), c2 = cos(0.3), s2 = sin(0.3);
+        pbw_fill_report report;
+        pbw_fill_input in;
+        pbw_filled f;
+        big.points = big.triangles = 0;
+        for (i = 0; i < 4 * (NEEDLES + 1); i++) {
+            const double x = NEEDLES * corner[i % 4][0], y = (double)(i / 4) / NEEDLES, z = corner[i % 4][1];
+            (void)point(c * x - s * y, c2 * (s * x + c * y) - s2 * z, s2 * (s * x + c * y) + c2 * z);
+        }
+        for (i = 0; i < 4 * NEEDLES; i++) {
+            const size_t a = i, b = i / 4 * 4 + (i + 1) % 4;
+            triangle(a, b, b + 4), triangle(a, b + 4, a + 4);
+        }
+        i = 4 * NEEDLES;
+        triangle(0, 2, 1), triangle(0, 3, 2), triangle(i, i + 1, i + 2), triangle(i, i + 2, i + 3);
+        in = input_of_big();
+        CHECK_EQUAL(pbw_fill(&in, NULL, NULL, &f, &report), PBW_OK);
+        CHECK(report.segment_points > NEEDLES && report.segment_points < 6 * NEEDLES && report.flat_tets == 0);
+        if (f.tets.tet_count > 0) {                  /* a point may stay on an edge, and is told */
+            result_copy copy = copy_of(&f);
+            const char *wrong = fault_of(&in, &copy, 2, enclosed(&in));
+            for (i = k = 0; i < 3 * copy.facet_count; i++) {
+                k += copy.original[copy.facets[i]] == PBW_NONE;
+            }
+            CHECK((k > 0) == (report.refusal == PBW_FILL_POINTS_LEFT) && k < 20);
+            CHECK((report.fault_count > 0) == (report.refusal == PBW_FILL_POINTS_LEFT));
+            if (!CHECK(wrong == NULL)) {
+                test_say("%s", wrong);
+            }
+            free_copy(&copy);
+        }
+        pbw_fill_free(&f);
+        test_end();
+    }
+}
+
 static void test_improvement(void)
 {
     uint64_t key = 77;
     if (test_begin("better angles, the same facets")) {
+        const char *stage = "";
         static const double centre[3] = { 0, 0, 0 };
         pbw_fill_options how;
         pbw_fill_report report;
@@ -767,12 +811,14 @@ static void test_improvement(void)
         memset(&how, 0, sizeof how);
         how.improve.target = 15;
         how.improve.passes = 8;
+        how.stage = &stage;
         big.points = big.triangles = 0;
         add_star(100, 0.8, centre, 1, &key);
         (void)point(0.125, 0.25, 0.125);             /* of no triangle: it stays */
         in = input_of_big();
         (void)fill_and_check(&in, &how, enclosed(&in));
         CHECK_EQUAL(pbw_fill(&in, &how, NULL, &f, &report), PBW_OK);
+        CHECK(strcmp(stage, "improve") == 0);
         CHECK(report.improve.after.least > report.improve.before.least + 1);
         CHECK(report.inner.least >= report.improve.after.least);
         CHECK(f.tets.tet_count > 0 && f.tets.original[100] == 100);
@@ -1279,6 +1325,7 @@ static void test_refusals(void)
     int k;
     if (test_begin("what is refused")) {
         static const double seed[3] = { 0, 0, 0 }, inside[6] = { 0.5, 0.25, 0.125, 0.25, 0.125, 0.5 };
+        static const double side[3] = { 0.5, 0.75, 1.125 };
         static const pbw_index numbers[3] = { 1, 2, 2 }, holes[2] = { PBW_NONE, PBW_NONE };
         static const pbw_index wires[6] = { 8, 9, 8, 10, 11, 12 };
         CHECK_EQUAL(pbw_fill(NULL, NULL, NULL, NULL, NULL), PBW_ERROR_ARGUMENT);
@@ -1337,6 +1384,14 @@ static void test_refusals(void)
         expect(&in, PBW_DEGENERATE, PBW_FILL_OPEN);
         in.seed_count = in.triangle_count = 0;
         expect(&in, PBW_DEGENERATE, PBW_FILL_EMPTY);
+        big.points = big.triangles = 0;
+        add_box(0, 2), add_box(0.5, 1.5);
+        in = input_of_big();
+        in.seeds = side;                             /* of the inner box */
+        in.seed_count = 1;
+        expect(&in, PBW_DEGENERATE, PBW_FILL_SEED);
+        big.points = big.triangles = 0;
+        add_box(0, 1);
         (void)point(0.25, 0.375, 0.5), (void)point(0.25, 0.5, 2), (void)point(0.75, 0.625, 0.5);
         (void)point(0.25, 0.625, 0.5), (void)point(0.75, 0.375, 0.5);
         in = input_of_big();
@@ -1486,6 +1541,7 @@ int main(int argc, char **argv)
     test_wide_boxes();
     test_fine();
     test_no_doubles();
+    test_needles();
     test_improvement();
     test_inside();
     test_cells();

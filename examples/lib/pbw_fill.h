@@ -1911,7 +1911,7 @@ static pbw_status pbwfill__list_missing(pbwfill__work *w, pbwfill__indices *queu
                                                  pbwfill__note_missing, w);
     queue->count = 0;
     for (step = 4096; step > 0; step /= 64) {
-        for (i = step - 1; status == PBW_OK && i < w->pieces.count; i += step) {
+        for (i = step / 2; status == PBW_OK && i < w->pieces.count; i += step) {
             status = !w->noted.at[i] || PBW_PUSH(&w->memory, *queue, (pbw_index)i) ? PBW_OK : PBW_ERROR_MEMORY;
             w->noted.at[i] = 0;
         }
