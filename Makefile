@@ -132,7 +132,7 @@ $(ALONE:%=$B/%): $B/%: tests/%.c $(HEADERS)
 	$C $< -o $@ $(LIBS)
 $(patsubst %,$B/%,$(filter-out $(SLOWEST),$(TESTS))): private CFLAGS := $(CFLAGS:-O2=-O1)
 ifdef SANITIZED             # they take six times as long to compile as without, and what runs long is -O1
-$(patsubst %,$B/%,$(filter-out $(SLOWEST) $(HEAVY),$(TESTS))) $(filter-out %library.o %_plane.o,$(PROGRAM)): \
+$(patsubst %,$B/%,$(filter-out $(SLOWEST) $(HEAVY),$(TESTS))) $(filter-out %library.o %_plane.o %_fill.o,$(PROGRAM)): \
     private override CFLAGS := $(CFLAGS:-O1=-O0)
 endif
 ifdef QUICK

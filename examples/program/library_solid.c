@@ -9,5 +9,3 @@
 #include "pbw_mesh3.h"
 #define PBW_ADAPT3_IMPLEMENTATION
 #include "pbw_adapt3.h"
-#define PBW_FILL_IMPLEMENTATION
-#include "pbw_fill.h"
