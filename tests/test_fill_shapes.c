@@ -13,7 +13,7 @@ typedef struct shape {
     double points[3 * MOST_POINTS], volume;          /* volume: what must come out; below 0: not known */
     pbw_index triangles[3 * MOST_TRIANGLES];
     size_t count, triangle_count;
-    int nested, may_refuse;                          /* 1: the grid may be too coarse; 2: any refusal is fine */
+    int nested, may_refuse;                          /* 1: as doubles, its parts may meet; 2: any refusal */
     const char *name;
 } shape;
 
@@ -347,12 +347,12 @@ static int is_triangle(const pbw_filled *f, size_t i)
 static const char *judge(const pbw_filled *f, const pbw_fill_report *r, const pbw_fill_options *how)
 {
     double volume;
-    const char *wrong = r->flat_tets > 0 ? NULL : judge_tets(&f->tets, &volume);
+    const char *wrong = judge_tets(&f->tets, &volume);
     size_t i;
-    if (wrong != NULL || r->flat_tets > 0) {
+    if (wrong != NULL) {
         return wrong;
     }
-    if (s.volume >= 0 && fabs(volume - s.volume) > (how->conforming ? 1e-3 : 1e-6) * s.volume) {     /* on the grid */
+    if (s.volume >= 0 && fabs(volume - s.volume) > (how->conforming ? 1e-3 : 1e-6) * s.volume) {    /* points round */
         return "the volume is wrong";
     }
     if (!how->conforming && r->refusal == PBW_FILL_FILLED) {
@@ -419,8 +419,7 @@ static const char *try_shape(void)
                && !(s.may_refuse == 2 && (status == PBW_DEGENERATE || status == PBW_ERROR_NOT_FINITE
                                           || status == PBW_ERROR_ARGUMENT || status == PBW_ERROR_TOO_LARGE))
                && !(s.may_refuse == 1 && status == PBW_DEGENERATE
-                    && (report.refusal == PBW_FILL_TOO_FINE || report.refusal == PBW_FILL_CROSSING
-                        || report.refusal == PBW_FILL_FLAT))) {
+                    && (report.refusal == PBW_FILL_CROSSING || report.refusal == PBW_FILL_FLAT))) {
         wrong = status == PBW_DEGENERATE ? pbw_fill_refusal(report.refusal) : pbw_status_string(status);
     }
     pbw_fill_free(&f);

@@ -4747,7 +4747,7 @@ static pbw_status pbwfill__try_place(pbwfill__inside *in, pbw_index t, const dou
         if (!(wanted[k] > low[k] && wanted[k] < high[k])) {
             return PBW_OK;
         }
-        p[k] = wanted[k];
+        p[k] = floor(wanted[k] * 1024 + 0.5) / 1024; /* 2^-38 of the box or more: no points for finer details */
     }
     pbwfill__round(w, p);
     t = pbwfill__reach(w, t, p);
