@@ -576,7 +576,8 @@ static void test_rims(void)
     options.resize = meter_resize;
     options.resize_user = &m;
     for (i = 0; i < test_count / 5; i++) {
-        const int away = (int)(i % 3), is_long = i % 50 == 0;           /* places: on the lattice, between, anywhere */
+        const int is_long = i % 50 == 0;
+        const int away = (int)(i % 3);                   /* places: on the lattice, between, anywhere */
         const size_t points = is_long ? 600 : (size_t)(4 + below(12)), count = is_long ? 200 : (size_t)(1 + below(8));
         pbw_surface tree;
         pbw_status status;
@@ -597,7 +598,8 @@ static void test_rims(void)
             size_t t;
             int axis;
             for (axis = 0; axis < 3; axis++) {
-                p[axis] = away == 2 ? (double)below(1 << 30) / (1 << 28) : (double)below(8) / (1 + away) - (axis == 2);
+                p[axis] = away == 2 ? (double)below(1 << 30) / (1 << 28)
+                        : (double)below(8) / (1 + away) - (axis == 2);
             }
             if (pbw_surface_closest(&tree, p, 1e-6, place) == PBW_NONE) {       /* not on it */
                 for (t = 0; t < count; t++) {

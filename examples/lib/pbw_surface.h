@@ -2036,10 +2036,11 @@ static pbw_status pbwsf__pair_range(void *arg, size_t from, size_t to)
 /* Fills the pairs of each node of a level. */
 static pbw_status pbwsf__find_pairs(pbwsf__search *s)
 {
-    const size_t leaves = (s->items.count + PBWSF__LEAF - 1) / PBWSF__LEAF, most = (s->first_leaf + 1) / PBWSF__LEAVES;
+    const size_t leaves = (s->items.count + PBWSF__LEAF - 1) / PBWSF__LEAF;
+    const size_t nodes = (leaves + PBWSF__LEAVES - 1) / PBWSF__LEAVES, most = (s->first_leaf + 1) / PBWSF__LEAVES;
     s->first_node = most > 0 ? most - 1 : 0;
-    return !PBW_ZEROS(s->memory, s->pairs, leaves / PBWSF__LEAVES + 1) ? PBW_ERROR_MEMORY
-         : pbw_for(pbwsf__next_part(s, 0.25, 0), (leaves + PBWSF__LEAVES - 1) / PBWSF__LEAVES, 1, pbwsf__pair_range, s);
+    return !PBW_ZEROS(s->memory, s->pairs, nodes + 1) ? PBW_ERROR_MEMORY
+         : pbw_for(pbwsf__next_part(s, 0.25, 0), nodes, 1, pbwsf__pair_range, s);
 }
 
 /* Puts `count` items of `each` numbers in an order. */
