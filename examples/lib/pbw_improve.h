@@ -699,7 +699,7 @@ enum {
 #define PBWIM__SMOOTH_GAIN 0.1             /* least gain of smoothing, as a share of the way to the target */
 #define PBWIM__FINAL_GAIN 0.01             /* the same in final passes */
 #define PBWIM__DISTANCE_SHARE 0.6          /* of the distance limit: what boundary facets may use at first */
-#define PBWIM__FINAL_RAISE 0.07            /* radians, 4 degrees: final passes raise the target by it, then by twice */
+#define PBWIM__FINAL_RAISE 0.07            /* radians, 4 degrees: final passes raise the target by it, then by 2 x */
 #define PBWIM__SMOOTH_COSINE 0.90630778703665          /* cos 25 degrees: boundary facets turn by less */
 #define PBWIM__FINAL_COSINE 0.766044443118978          /* cos 40 degrees: the same in final passes */
 
@@ -3356,8 +3356,8 @@ static pbw_status pbwim__smooth_all(pbwim__mesh *m, const pbw_improve_options *h
       the next round, which has other and larger blocks; the last one has all points in one block.
    4. A task is a copy of pbwim__mesh with free slots, free points and counters of its own.  Where these run out, its
       tetrahedra wait, too.  When all tasks of a round have ended, they are merged in order.
-   5. The caller is asked whether to go on while no task runs, so that each pauses after so much work, which is counted
-      in sines: a round is done in legs.
+   5. The caller is asked whether to go on while no task runs, so that each pauses after so much work, which is
+      counted in sines: a round is done in legs.
    No task reads what another one changes.  A tetrahedron that a task changes has all corners in the task's block, and
    a task reads only tetrahedra with a corner in its block, and of these only links through facets that have one.  A
    tetrahedron across a facet of a zone has three corners in it: of this tetrahedron, only the link through that facet

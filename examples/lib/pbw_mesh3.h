@@ -20,7 +20,8 @@
      >>input        the surface: welded triangles, or those of an implicit function; its edges
      >>shells       triangles oriented alike; holes closed; regions between walls
      >>inside       which shells are around a point; the label of a place
-     >>cuts         triangles cut where others meet them
+     >>cuts         where triangles are cut by others
+     >>pieces       triangles cut to pieces
      >>union        shells that cross, made one surface
      >>features     which sharp edges are kept
      >>chains       sharp edges chained between corners; patches
@@ -1898,11 +1899,10 @@ static void pbwm3__project(void *user, double p[3])
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   >>cuts         Triangles cut where others meet them.
-   In: pairs of triangles that meet, and what they have in common.  Out: pieces of the triangles, which meet in whole
-   edges and corners alone; the edges where others meet them.
-   New vertices are rounded, and those within 1e-7 sizes are one.  The pieces of a triangle come from a constrained
-   triangulation of what is in it, in the plane of two coordinates, by exact signs.
+   >>cuts         Where triangles are cut by others.
+   In: pairs of triangles that meet, and what they have in common.  Out: vertices where triangles are cut, and which
+   of them are on which edges and segments.
+   New vertices are rounded, and those within 1e-7 sizes are one.
    ------------------------------------------------------------------------------------------------------ */
 #define PBWM3__WELD 1e-7                   /* sizes */
 
@@ -2079,7 +2079,8 @@ static int pbwm3__find_met(pbwm3__work *w, pbwm3__cutting *c)
         const pbw_index id = c->sorted.at[i].id;
         const pbwm3__span *s = c->spans.at + id;
         for (k = i + 1; good && k < c->spans.count && c->sorted.at[k].x <= s->high[0]; k++) {
-            const pbw_index other = c->sorted.at[k].id, pair[2] = { id < other ? id : other, id < other ? other : id };
+            const pbw_index other = c->sorted.at[k].id;
+            const pbw_index pair[2] = { id < other ? id : other, id < other ? other : id };
             const pbwm3__span *t = c->spans.at + other;
             good = t->low[1] > s->high[1] || t->high[1] < s->low[1] || !pbwm3__spans_cross(s, t)
                 || PBWM3__APPEND(w, c->met, pair);
@@ -2197,12 +2198,12 @@ static int pbwm3__is_on_edge(const pbwm3__work *w, const pbwm3__cutting *c, pbw_
                              pbw_index b)
 {
     const double *p = c->points.at[vertex], *x = c->points.at[a], *y = c->points.at[b];
-    double along[3], from[3], near[3], square;
+    double along[3], from[3], closest[3], square;
     pbwsf__minus(y, x, along);
     pbwsf__minus(p, x, from);
     square = pbwsf__dot(along, along);
-    pbwsf__between(x, y, square > 0 ? fmin(1, fmax(0, pbwsf__dot(from, along) / square)) : 0, near);
-    return pbwsf__distance(p, near) <= PBWM3__WELD * w->size;
+    pbwsf__between(x, y, square > 0 ? fmin(1, fmax(0, pbwsf__dot(from, along) / square)) : 0, closest);
+    return pbwsf__distance(p, closest) <= PBWM3__WELD * w->size;
 }
 
 static uint64_t pbwm3__edge_key(pbw_index a, pbw_index b)
@@ -2413,6 +2414,13 @@ static pbw_status pbwm3__find_cuts(pbwm3__work *w, pbwm3__cutting *c)
     return status;
 }
 
+/* ------------------------------------------------------------------------------------------------------
+   >>pieces       Triangles cut to pieces.
+   In: what is in each triangle, from >>cuts.  Out: pieces of the triangles, which meet in whole edges and corners
+   alone; the edges where others meet them.
+   The pieces of a triangle come from a constrained triangulation of what is in it, in the plane of two coordinates,
+   by exact signs.
+   ------------------------------------------------------------------------------------------------------ */
 static int pbwm3__turn(const pbwm3__cutting *c, pbw_index u, pbw_index v, pbw_index p)
 {
     return pbw_orient2(c->flat.at + 2 * (size_t)u, c->flat.at + 2 * (size_t)v, c->flat.at + 2 * (size_t)p);
