@@ -341,7 +341,7 @@ static int pbwfill__ends(pbwfill__work *w)
     return w->cancelled;
 }
 
-/* The same within a loop, once in a while: each 256th time, or earlier where work of other kinds is added to ticks. */
+/* The same within a loop, once in a while: each 256th time, or earlier where other work is added to ticks. */
 static int pbwfill__tick(pbwfill__work *w, double share)
 {
     if (++w->ticks < 256) {
@@ -548,9 +548,9 @@ static int pbwfill__new_vertex(pbwfill__work *w, const double p[PBWFILL__PLACE])
    four, two of either product.  With few bits, as in models of floats, it is mostly a double, as are other places.
    Holds: where there are rests, coordinates are multiples of 2^-214 below 2^82.  So differences have at most 297
    bits, determinants of degree five, sums of 72 products, at most 5 * 297 + 7; all products are multiples of 2^-1070,
-   and nothing under- or overflows.  A sum consists of parts, which ascend, do not overlap, and are not adjacent: there
-   is a bit between any two (Shewchuk 1997, "Adaptive precision floating-point arithmetic", theorem 10: sums that round
-   to nearest even leave them so).  So there are two bits for each part but one.
+   and nothing under- or overflows.  A sum consists of parts, which ascend, do not overlap, and are not adjacent:
+   there is a bit between any two (Shewchuk 1997, "Adaptive precision floating-point arithmetic", theorem 10: sums
+   that round to nearest even leave them so).  So there are two bits for each part but one.
    ------------------------------------------------------------------------------------------------------ */
 enum { PBWFILL__PARTS = 150 };             /* of a difference, at most; times the degree of other numbers */
 
@@ -883,8 +883,8 @@ static double pbwfill__conflict_in_pairs(const pbwfill__work *w, const double *c
     return det.head;
 }
 
-/* pbw_conflict3 with rests.  Roundings on a product: 5 for each difference, which are two in the lift; 3 more in that,
-   5 in the minor, 3 in the sum; 24 products: 864 u times the sizes.  In pairs 3 for each difference: 4992 u^2. */
+/* pbw_conflict3 with rests.  Roundings on a product: 5 for each difference, which are two in the lift; 3 more in
+   that, 5 in the minor, 3 in the sum; 24 products: 864 u times the sizes.  In pairs 3 for each difference: 4992 u^2. */
 static int pbwfill__conflict_rests(const pbwfill__work *w, const double *const *corner, const double *p)
 {
     double rows[4][3], size[4], lift[4], det, bound;
@@ -3719,8 +3719,8 @@ static int pbwfill__put_sides(pbwfill__work *w, pbwfill__flats *f, pbw_index par
     return 1;
 }
 
-/* Lists the parts of all facets of several triangles.  left: gets 1 for facets with an added vertex.  Returns 0 without
-   memory, or if the caller cancels. */
+/* Lists the parts of all facets of several triangles.  left: gets 1 for facets with an added vertex.  Returns 0
+   without memory, or if the caller cancels. */
 static int pbwfill__list_parts(pbwfill__work *w, pbwfill__flats *f, unsigned char *left)
 {
     size_t i;
@@ -4646,8 +4646,8 @@ static pbw_index pbwfill__reach(const pbwfill__work *w, pbw_index t, const doubl
     return i == 4 ? t : PBW_NONE;
 }
 
-/* Takes tetrahedra with a face that p does not see out of the cavity, until none is left.  Returns 0 if the one that p
-   is in would go, too. */
+/* Takes tetrahedra with a face that p does not see out of the cavity, until none is left.  Returns 0 if the one that
+   p is in would go, too. */
 static int pbwfill__trim_cavity(pbwfill__work *w, const double *p)
 {
     const pbw_index start = w->cavity.at[0];

@@ -398,7 +398,7 @@ static void pbwl__set_bytes(pbw__context *context, void *start, int value, size_
     pbwl__set_or_copy(context, start, NULL, value, bytes);
 }
 
-/* pbw_memory_grow for arrays of all vertices: if there is room for both, all threads copy the old one to the new one. */
+/* pbw_memory_grow for arrays of all vertices: if there is room for both, all threads copy the old one. */
 static int pbwl__grow_shared(pbw__context *context, void *array, size_t *capacity, size_t needed, size_t size)
 {
     const size_t larger = *capacity + *capacity / 4 + 16, wanted = needed > larger ? needed : larger;
@@ -3931,7 +3931,7 @@ static size_t pbwl__place_find(const pbwl__core *core, const double *x)
 }
 
 /* Puts a vertex into an empty entry of the table, by compare-and-swap, as tasks compete.  Returns the entry, or
-   PBW_NONE if a vertex is at the same place.  moving (may be NULL): one of those that move may be going there, too. */
+   PBW_NONE if a vertex is at the same place.  moving (may be NULL): one of those that move may go there, too. */
 PBW__INLINE pbw_index pbwl__place_enter(pbwl__core *core, const double *x, pbw_index vertex, const pbw_live *moving)
 {
     const int dim = core->kernel.dim;
@@ -4948,7 +4948,7 @@ static pbw_status pbwl__shift_enter(void *arg, size_t from, size_t to)
     return PBW_OK;
 }
 
-/* Enters all new places into the table, if there is one.  PBWL__REBUILD: a vertex is at one of them, or two go there. */
+/* Enters all new places into the table, if there is one.  PBWL__REBUILD: a vertex is at one, or two go there. */
 static pbw_status pbwl__shift_places(pbw_live *live)
 {
     pbwl__core *core = &live->core;

@@ -690,13 +690,10 @@ PBW__INLINE void pbwq__lane_ends(pbwq__lane *lane)
     lane->fetched = -1;
 }
 
-/* Answers a block of queries by walks, `lanes` of them in turn. */
-PBW__INLINE void pbwq__take_turns(pbwq__queries *queries, pbwq__scratch *scratch, size_t from, size_t to,
-                                  pbwq__turn *turn, size_t lanes, int dim)
+/* Deals a block of queries to lanes, and starts each lane's walk at a vertex that is near its first query. */
+static void pbwq__lanes_start(const pbwq__queries *queries, pbwq__lane *lane, size_t lanes, size_t from, size_t to)
 {
-    pbwq__lane lane[PBWQ__LANES];
     size_t i;
-    int busy = 1;
     for (i = 0; i < lanes; i++) {
         lane[i].next = from + (to - from) * i / lanes;
         lane[i].to = from + (to - from) * (i + 1) / lanes;
@@ -707,6 +704,14 @@ PBW__INLINE void pbwq__take_turns(pbwq__queries *queries, pbwq__scratch *scratch
             lane[i].simplex = queries->mesh->incident[lane[i].best.vertex];
         }
     }
+}
+
+/* Answers the queries of lanes, by their walks in turn. */
+PBW__INLINE void pbwq__take_turns(pbwq__queries *queries, pbwq__scratch *scratch, pbwq__lane *lane, size_t lanes,
+                                  pbwq__turn *turn, int dim)
+{
+    size_t i;
+    int busy = 1;
     while (busy && !scratch->failed && !scratch->moved) {
         busy = 0;
         for (i = 0; i < lanes; i++) {
@@ -890,11 +895,14 @@ PBW__INLINE void pbwq__locate_turn(pbwq__queries *queries, pbwq__scratch *scratc
 static void pbwq__locate_block(pbwq__queries *queries, pbwq__scratch *scratch, size_t block, size_t from, size_t to)
 {
     const pbw_mesh *mesh = queries->mesh;
+    const int few = mesh->simplex_count < 65536 || (mesh->original != NULL && mesh->point_count < 65536);
+    pbwq__lane lane[PBWQ__LANES];
     (void)block;
-    if (mesh->simplex_count < 65536 || (mesh->original != NULL && mesh->point_count < 65536)) {
-        PBW__BY_DIM(mesh->dim, pbwq__take_turns, queries, scratch, from, to, pbwq__locate_turn, 1);
+    pbwq__lanes_start(queries, lane, few ? 1 : PBWQ__LANES, from, to);
+    if (few) {
+        PBW__BY_DIM(mesh->dim, pbwq__take_turns, queries, scratch, lane, 1, pbwq__locate_turn);
     } else {
-        PBW__BY_DIM(mesh->dim, pbwq__take_turns, queries, scratch, from, to, pbwq__locate_turn, PBWQ__LANES);
+        PBW__BY_DIM(mesh->dim, pbwq__take_turns, queries, scratch, lane, PBWQ__LANES, pbwq__locate_turn);
     }
 }
 
@@ -1968,6 +1976,8 @@ PBW__INLINE void pbwq__nearest_turn(pbwq__queries *queries, pbwq__scratch *scrat
 static void pbwq__nearest_block(pbwq__queries *queries, pbwq__scratch *scratch, size_t block, size_t from, size_t to)
 {
     const pbw_mesh *mesh = queries->mesh;
+    const int few = mesh->simplex_count < 16384 || mesh->original != NULL;
+    pbwq__lane lane[PBWQ__LANES];
     (void)block;
     if (mesh->simplex_count == 0) {
         for (; from < to && !scratch->failed; from++) {
@@ -1977,10 +1987,13 @@ static void pbwq__nearest_block(pbwq__queries *queries, pbwq__scratch *scratch, 
             pbwq__push_all(queries, scratch, q, -1.0);
             pbwq__near_many(queries, scratch, q, pbwq__query_of(queries, from));
         }
-    } else if (mesh->simplex_count < 16384 || mesh->original != NULL) {
-        PBW__BY_DIM(mesh->dim, pbwq__take_turns, queries, scratch, from, to, pbwq__nearest_turn, 1);
+        return;
+    }
+    pbwq__lanes_start(queries, lane, few ? 1 : PBWQ__LANES, from, to);
+    if (few) {
+        PBW__BY_DIM(mesh->dim, pbwq__take_turns, queries, scratch, lane, 1, pbwq__nearest_turn);
     } else {
-        PBW__BY_DIM(mesh->dim, pbwq__take_turns, queries, scratch, from, to, pbwq__nearest_turn, PBWQ__LANES);
+        PBW__BY_DIM(mesh->dim, pbwq__take_turns, queries, scratch, lane, PBWQ__LANES, pbwq__nearest_turn);
     }
 }
 
