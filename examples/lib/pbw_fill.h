@@ -884,7 +884,8 @@ static double pbwfill__conflict_in_pairs(const pbwfill__work *w, const double *c
 }
 
 /* pbw_conflict3 with rests.  Roundings on a product: 5 for each difference, which are two in the lift; 3 more in
-   that, 5 in the minor, 3 in the sum; 24 products: 864 u times the sizes.  In pairs 3 for each difference: 4992 u^2. */
+   that, 5 in the minor, 3 in the sum; 24 products: 864 u times the sizes.  In pairs 3 for each difference:
+   4992 u^2. */
 static int pbwfill__conflict_rests(const pbwfill__work *w, const double *const *corner, const double *p)
 {
     double rows[4][3], size[4], lift[4], det, bound;
