@@ -9178,7 +9178,7 @@ PBWDEF pbw_status pbw_order(int dim, const double *points, size_t count, const p
      pbw__box_close pbw__curve pbw__curve_create pbw__hilbert_key                       check            curve
      pbw__box pbw__box_add pbw__box_reset                                               check query      curve
      pbw__index_bits pbw__input_check PBW__POINT_LIMIT                                  live             curve
-     pbw__fetch                                                                         query            curve
+     pbw__fetch pbw__fetch_soon                                                         query            curve
      pbw__input pbw__input_of                                                           query live       curve
      PBW__DIGITS pbw__sort_by pbw__sorting                                              check live       sort
      pbw__sort_keys                                                                     live             sort

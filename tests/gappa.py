@@ -513,7 +513,7 @@ def queries():
     squared.P = Fraction(1, 2)                           # so is that of the weight
     candidate, mesh = Rows(), Rows()
     mesh.weights = Every(Value(0, Fraction(1, 2)))
-    q = run('pbwq__query_at', dict(fits=0, q=Every(None)), ['q[3]'])[1]['q']
+    q = run('pbwq__set_error', dict(fits=0, q=Every(None)), ['q[3]'])[1]['q']
     local = dict(squared=squared, q=q, candidate=candidate, mesh=mesh, vertex=0)
     run('pbwq__candidate_of', local, ['candidate.squared', 'candidate.slack'])
     prove('pbwq__candidate_of', candidate.squared, candidate.slack)

@@ -4506,10 +4506,10 @@ static pbw_status pbwl__fit_range(void *arg, size_t from, size_t to)
     const double unit = core->grid.inverse_unit;
     int k;
     for (; from < to && !PBW__LOAD(&fitting->beyond); from++) {
-        const double *x = fitting->live->moved + from * (size_t)dim;
+        const double *x = fitting->list == NULL ? fitting->live->moved + from * (size_t)dim
+                        : pbwl__core_record(core, fitting->list[from]);
         if (fitting->list != NULL) {
             PBW__PREFETCH(pbwl__core_record(core, fitting->list[from + 16 < to ? from + 16 : from]));
-            x = pbwl__core_record(core, fitting->list[from]);
         }
         for (k = 0; k < width; k++) {
             const double units = x[k] * (k < dim ? unit : unit * unit);
