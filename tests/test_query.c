@@ -784,6 +784,35 @@ static void test_progress(void)
     free(queries);
 }
 
+/* Queries for many neighbours ask whether to go on after 32,768 of them, at most. */
+static void test_many_ask(void)
+{
+    enum { N = 1500, QUERIES = 400, K = 1000 };
+    double *points = (double *)malloc(2 * N * sizeof *points);
+    double *queries = (double *)malloc(2 * QUERIES * sizeof *queries);
+    pbw_index *found = (pbw_index *)malloc((size_t)K * QUERIES * sizeof *found);
+    pbw_options options;
+    pbw_mesh mesh;
+    watch w;
+    if (test_begin("many neighbours: questions")) {
+        input_fill(INPUT_UNIFORM, 2, N, 1, points);
+        input_fill(INPUT_UNIFORM, 2, QUERIES, 2, queries);
+        CHECK_EQUAL(pbw_triangulate(2, points, NULL, N, NULL, &mesh), PBW_OK);
+        watch_start(&w, 0);
+        memset(&options, 0, sizeof options);
+        options.progress = watch_progress;
+        options.progress_user = &w;
+        options.threads = 1;
+        CHECK_EQUAL(pbw_nearest(&mesh, NULL, queries, QUERIES, K, &options, found, NULL), PBW_OK);
+        CHECK(w.wrong == 0 && w.calls >= (long)K * QUERIES / 32768);
+        pbw_free(&mesh);
+        test_end();
+    }
+    free(points);
+    free(queries);
+    free(found);
+}
+
 static void test_arguments(void)
 {
     enum { N = 50 };
@@ -1053,6 +1082,7 @@ int main(int argc, char **argv)
     test_finder();
     test_strip();
     test_progress();
+    test_many_ask();
     test_arguments();
     test_huge();
     test_boxes();

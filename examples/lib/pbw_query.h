@@ -669,6 +669,14 @@ static size_t pbwq__walk_block(size_t count)
     return count < 64 * PBWQ__BLOCK_QUERIES ? PBWQ__BLOCK_QUERIES : count < 64 * 2048 ? count / 64 : 2048;
 }
 
+/* Returns how many queries for k neighbours each are a block: few if k is large, as the caller is asked whether to go
+   on after each block. */
+static size_t pbwq__near_block(size_t k)
+{
+    const size_t neighbors = 64 * PBWQ__BLOCK_QUERIES;
+    return k <= 64 ? PBWQ__BLOCK_QUERIES : k < neighbors ? neighbors / k : 1;
+}
+
 /* Reads the next query of a lane, unless it has been read.  Returns whether it has read it. */
 PBW__INLINE int pbwq__lane_reads(const pbwq__queries *queries, pbwq__lane *lane)
 {
@@ -2631,7 +2639,7 @@ static pbw_status pbwq__nearest_all(pbwq__queries *queries, const pbw_lists *sta
     status = pbwq__take_stars(queries, stars);
     status = status != PBW_OK ? status
            : pbwq__answer_all(queries, pbwq__nearest_block, queries->input.count,
-                            queries->k == 1 ? pbwq__walk_block(queries->input.count) : PBWQ__BLOCK_QUERIES);
+                            queries->k == 1 ? pbwq__walk_block(queries->input.count) : pbwq__near_block(queries->k));
     return status;
 }
 
