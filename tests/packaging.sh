@@ -451,6 +451,10 @@ done
 if $other-gcc "$work/empty.c" -o "$work/empty" > /dev/null 2>&1; then
     check "$other: the pbw program" $other-gcc -std=c99 -O0 -DPBW__IMPLEMENTED -DPBWCK__IMPLEMENTED \
         -DPBWQ__IMPLEMENTED -DPBWL__IMPLEMENTED -I. -Iexamples/lib examples/program/*.c "$work/$other-gcc.o" -o "$work/pbw.exe"
+    for part in library library_solid library_files library_plane library_fill; do
+        cat examples/program/$part.c
+    done | sed '1i #include <windows.h>' > "$work/companions.c"
+    check "$other: all companions after windows.h" $other-gcc -std=c99 -I. -Iexamples/lib -fsyntax-only "$work/companions.c"
     if command -v wine > /dev/null; then
         check "$other: the implementation compiles" $other-gcc -std=c99 -Os -I. -c "$work/whole.c" -o "$work/other.o"
         check "$other: a test compiles" \

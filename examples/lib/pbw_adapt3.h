@@ -174,20 +174,20 @@ static pbw_index pbwa3__walk(const pbw_tets *from, const double p[3], pbw_index 
 /* Returns the tetrahedron that contains p.  If there is none, moves p to the nearest place first. */
 static pbw_index pbwa3__find(const pbwa3__places *places, double p[3], pbw_index hint)
 {
-    double near[3];
+    double nearby[3];
     int inside;
     pbw_index t = pbwa3__walk(places->from, p, hint, &inside), facet;
     if (inside) {
         return t;
     }
-    facet = pbw_surface_closest(&places->surface, p, HUGE_VAL, near);
+    facet = pbw_surface_closest(&places->surface, p, HUGE_VAL, nearby);
     if (facet == PBW_NONE) {
         return t;
     }
     hint = places->owners.at[facet];
     t = pbwa3__walk(places->from, p, hint, &inside);
     if (!inside) {
-        memcpy(p, near, sizeof near);
+        memcpy(p, nearby, sizeof nearby);
         t = hint;
     }
     return t;

@@ -4049,16 +4049,16 @@ static void pbwc__shift_range(const pbwc__period *period, size_t i, double first
 static int pbwc__is_copied(const pbwc__period *period, size_t i, const double *x)
 {
     int at[3] = { 0, 0, 0 }, k, inside = 1;
-    int near = period->thin.at != NULL && period->thin.at[i] != 0;
+    int nearby = period->thin.at != NULL && period->thin.at[i] != 0;
     for (k = 0; k < period->dim; k++) {
         const double h = pbwc__height(period, k, x);
         at[k] = pbwc__grid_at(period, k, h);
         if ((period->axes >> k & 1) != 0) {
             inside &= h >= -period->margin[k] && h <= period->size[k] + period->margin[k];
-            near &= h >= -0.5 * period->size[k] && h <= 1.5 * period->size[k];
+            nearby &= h >= -0.5 * period->size[k] && h <= 1.5 * period->size[k];
         }
     }
-    return inside || near || *pbwc__grid_mark(period, at) != 0;
+    return inside || nearby || *pbwc__grid_mark(period, at) != 0;
 }
 
 static int pbwc__compare_copies(const void *left, const void *right)
@@ -4146,7 +4146,7 @@ static void pbwc__search_points(pbwc__ball *ball)
 
 /* Tries the shifts along axes of the frame up to the k-th one, nearest first; sum: of those along the others, where
    the points are `far` from the centre, squared. */
-static void pbwc__search_shifts(pbwc__ball *ball, int k, const double sum[3], double far)
+static void pbwc__search_shifts(pbwc__ball *ball, int k, const double sum[3], double away)
 {
     const pbwc__period *period = ball->period;
     const pbwc__searched *tree = &period->searched;
@@ -4167,14 +4167,14 @@ static void pbwc__search_shifts(pbwc__ball *ball, int k, const double sum[3], do
         for (; (period->axes >> axis & 1) != 0 || (side > 0 && !(fabs(shift) > 0)); shift += side) {
             const double at = ball->along[k] - sum[k] - shift * tree->step[axis][k];
             const double off = at < tree->low[k] ? tree->low[k] - at : at > tree->high[k] ? at - tree->high[k] : 0;
-            if (far + off * off >= ball->limit) {
+            if (away + off * off >= ball->limit) {
                 break;
             }
             for (i = 0; i < k; i++) {
                 next[i] = sum[i] + shift * tree->step[axis][i];
             }
             ball->copy.shift[axis] = shift;
-            pbwc__search_shifts(ball, k - 1, next, far + off * off);
+            pbwc__search_shifts(ball, k - 1, next, away + off * off);
         }
     }
     ball->copy.shift[axis] = 0;
@@ -4293,13 +4293,13 @@ static pbw_status pbwc__certify_simplices(void *arg, size_t from, size_t to)
 static int pbwc__is_near(const pbwc__work *work)
 {
     size_t i, k;
-    int near = (work->flags & PBWC__GOOD) != 0;
+    int nearby = (work->flags & PBWC__GOOD) != 0;
     for (i = 0; i < work->cutter.poly.x.count; i++) {
         for (k = 0; k < (size_t)work->job->mesh->dim; k++) {
-            near &= fabs(work->cutter.poly.x.at[i][k]) < 4 * work->job->extent[k];
+            nearby &= fabs(work->cutter.poly.x.at[i][k]) < 4 * work->job->extent[k];
         }
     }
-    return near;
+    return nearby;
 }
 
 /* The polytope of a cell that the domain cuts.  Returns 0 if there is no memory. */
@@ -5360,12 +5360,12 @@ static pbw_status pbwc__reach(pbwc__period *period)
     radius = 1.001 * sqrt(square);
     for (k = 0; k < period->dim; k++) {
         if ((period->axes >> k & 1) != 0) {          /* from the site to a corner, and the ball there */
-            double far = radius + (period->is_lattice ? 0 : period->wall[k]);
+            double away = radius + (period->is_lattice ? 0 : period->wall[k]);
             for (i = 0; i < period->dim && period->is_lattice; i++) {
-                far += 1.001 * fabs(period->normal[k][i]) * period->wall[i];
+                away += 1.001 * fabs(period->normal[k][i]) * period->wall[i];
             }
-            period->low[k] = -far;
-            period->high[k] = period->size[k] + far;
+            period->low[k] = -away;
+            period->high[k] = period->size[k] + away;
         }
         period->grid[k] = (period->axes >> k & 1) != 0 ? -0.6 * period->size[k] : period->low[k];
         period->step[k] = ((period->axes >> k & 1) != 0 ? 2.2 * period->size[k] : period->high[k] - period->low[k])

@@ -1715,14 +1715,14 @@ static int pbwfill__look_along(const pbwfill__work *w, const pbwfill__piece *pie
 
 /* Where to cut a piece, 0 to 1 from a to b; *near: how far from there will do. */
 static double pbwfill__split_at(const pbwfill__work *w, const pbwfill__piece *piece, const pbwfill__sight *sight,
-                                double *near)
+                                double *nearby)
 {
     const double least = 0.05;                       /* the shortest part that is cut off */
     const size_t first = w->inputs + 8;
     const uint32_t half = 1u << (PBWFILL__STEPS - 1);
     double t;
     int side;
-    *near = 1e-5;
+    *nearby = 1e-5;
     if (sight->vertex != PBW_NONE && w->narrow.at[piece->ends[0]] && w->narrow.at[piece->ends[1]]
         && piece->from < half && piece->to > half) {
         return 0.5;
@@ -1741,9 +1741,9 @@ static double pbwfill__split_at(const pbwfill__work *w, const pbwfill__piece *pi
     t = fmax(sight->low, fmin(sight->high, sight->at));
     if (!(sight->low < sight->high && t >= least && t <= 1 - least)) {
         t = 0.5;
-        *near = 0.04;
+        *nearby = 0.04;
     } else {
-        *near = fmax(*near, fmin(0.04, fmin(t - sight->low, sight->high - t)));
+        *nearby = fmax(*nearby, fmin(0.04, fmin(t - sight->low, sight->high - t)));
     }
     return t;
 }
@@ -1813,7 +1813,7 @@ static void pbwfill__between_exactly(pbwfill__work *w, const double *p, const do
 /* Chooses the coarsest place near `want`, 0 to 1, in a piece, a triple of doubles if one of them is, or else the
    nearest, and adds the vertex there; in the middle if that is an end.  Doubles may be farther if they stay.  Returns
    the place; 0 if there is none, PBW_NONE without memory. */
-static uint32_t pbwfill__add_split(pbwfill__work *w, const pbwfill__piece *piece, double want, double near)
+static uint32_t pbwfill__add_split(pbwfill__work *w, const pbwfill__piece *piece, double want, double nearby)
 {
     const double span = (double)(piece->to - piece->from), middle = (double)piece->from + want * span;
     const double *p = pbwfill__at(w, piece->ends[0]), *q = pbwfill__at(w, piece->ends[1]);
@@ -1826,7 +1826,7 @@ static uint32_t pbwfill__add_split(pbwfill__work *w, const pbwfill__piece *piece
         if (at > piece->from && at < piece->to && (e >= 0 || rank == 0)) {
             const int doubles = pbwfill__between(p, q, at * ldexp(1, -PBWFILL__STEPS), x);
             const int other = !doubles && !w->has_rests ? 0
-                            : off <= (doubles && w->how.conforming ? fmax(near, 0.02) : near) ? 2 + doubles : 1;
+                            : off <= (doubles && w->how.conforming ? fmax(nearby, 0.02) : nearby) ? 2 + doubles : 1;
             if (other > rank || (other == 1 && rank == 1 && off <= fabs(best - middle) / span)) {
                 rank = other;
                 best = at;
@@ -1866,9 +1866,9 @@ static pbw_status pbwfill__mend_piece(pbwfill__work *w, pbw_index i, pbwfill__in
         }
         made = pbwfill__cut_at_input(w, i, sight.vertex);
     } else {
-        double near;
-        const double want = pbwfill__split_at(w, &piece, &sight, &near);
-        const uint32_t at = pbwfill__add_split(w, &piece, want, near);
+        double nearby;
+        const double want = pbwfill__split_at(w, &piece, &sight, &nearby);
+        const uint32_t at = pbwfill__add_split(w, &piece, want, nearby);
         if (at == 0) {
             return pbwfill__refuse(w, PBW_FILL_TOO_FINE, w->edges.at[piece.edge].a, w->edges.at[piece.edge].b);
         }
@@ -1987,15 +1987,15 @@ static int pbwfill__meets(const pbwfill__work *w, pbw_index p, pbw_index q, cons
         }
     }
     if (common < 3) {
-        const double *far = v[common] == p ? b : a, *next = c[(common + 1) % 3], *last = c[(common + 2) % 3];
+        const double *away = v[common] == p ? b : a, *next = c[(common + 1) % 3], *last = c[(common + 2) % 3];
         int axis, turn;
-        if (pbwfill__orient3(w, c[0], c[1], c[2], far) != 0) {
+        if (pbwfill__orient3(w, c[0], c[1], c[2], away) != 0) {
             return 0;
         }
         axis = pbwfill__axis_of(w, c[0], c[1], c[2]);
         turn = pbwfill__turn(w, c[common], next, last, axis);
-        return pbwfill__turn(w, c[common], next, far, axis) * turn >= 0
-            && pbwfill__turn(w, c[common], far, last, axis) * turn >= 0;
+        return pbwfill__turn(w, c[common], next, away, axis) * turn >= 0
+            && pbwfill__turn(w, c[common], away, last, axis) * turn >= 0;
     }
     first = pbwfill__orient3(w, c[0], c[1], c[2], a);
     second = pbwfill__orient3(w, c[0], c[1], c[2], b);

@@ -1632,8 +1632,8 @@ static double pbwim__climb(pbwim__mesh *m, pbwim__cone *cone, const double *norm
                 place[k] = x[k] + step * direction[i][k];
             }
             if (normal != NULL) {
-                const double near = reached - 0.1 * fabs(reached);
-                if (pbwim__cone_sine(m, cone, place, near) <= near) {
+                const double nearby = reached - 0.1 * fabs(reached);
+                if (pbwim__cone_sine(m, cone, place, nearby) <= nearby) {
                     continue;
                 }
                 m->project(m->project_user, place);

@@ -1976,7 +1976,7 @@ typedef struct pbwio__node { pbw_index corner, next[2]; } pbwio__node;      /* o
 typedef struct pbwio__interval {
     pbw_index edge[2];                       /* lower, upper; edge i goes from corner i to the next one */
     pbw_index end[2], last;                  /* nodes of the chain: its lower and its upper end, its rightmost */
-    pbw_index near[2];                       /* the intervals below and above */
+    pbw_index nearby[2];                     /* the intervals below and above */
     pbw_index child[2], parent;              /* in a splay tree, from below to above */
 } pbwio__interval;
 
@@ -2080,22 +2080,22 @@ static pbw_index pbwio__add_interval(pbwio__sweep *s, pbw_index below)
         upper = all[below].child[1];
         all[below].child[1] = PBW_NONE;
         all[below].parent = x;
-        interval->near[1] = all[below].near[1];
-        all[below].near[1] = x;
+        interval->nearby[1] = all[below].nearby[1];
+        all[below].nearby[1] = x;
     } else {
         pbw_index lowest = s->root;
-        while (lowest != PBW_NONE && all[lowest].near[0] != PBW_NONE) {
-            lowest = all[lowest].near[0];
+        while (lowest != PBW_NONE && all[lowest].nearby[0] != PBW_NONE) {
+            lowest = all[lowest].nearby[0];
         }
-        interval->near[1] = lowest;
+        interval->nearby[1] = lowest;
     }
-    interval->near[0] = interval->child[0] = below;
+    interval->nearby[0] = interval->child[0] = below;
     interval->child[1] = upper;
     if (upper != PBW_NONE) {
         all[upper].parent = x;
     }
-    if (interval->near[1] != PBW_NONE) {
-        all[interval->near[1]].near[0] = x;
+    if (interval->nearby[1] != PBW_NONE) {
+        all[interval->nearby[1]].nearby[0] = x;
     }
     s->root = x;
     return x;
@@ -2104,7 +2104,7 @@ static pbw_index pbwio__add_interval(pbwio__sweep *s, pbw_index below)
 static void pbwio__remove_interval(pbwio__sweep *s, pbw_index x)
 {
     pbwio__interval *all = s->intervals;
-    const pbw_index below = all[x].near[0], above = all[x].near[1];
+    const pbw_index below = all[x].nearby[0], above = all[x].nearby[1];
     pbw_index lower, upper;
     pbwio__splay(s, x);
     lower = all[x].child[0];
@@ -2114,11 +2114,11 @@ static void pbwio__remove_interval(pbwio__sweep *s, pbw_index x)
         all[lower].parent = PBW_NONE;
         pbwio__splay(s, below);
         all[below].child[1] = upper;
-        all[below].near[1] = above;
+        all[below].nearby[1] = above;
     }
     if (upper != PBW_NONE) {
         all[upper].parent = below;
-        all[above].near[0] = below;
+        all[above].nearby[0] = below;
     }
 }
 
@@ -2159,8 +2159,8 @@ static void pbwio__test_interval(pbwio__sweep *s, pbw_index interval, int side)
 {
     const pbwio__interval *p = s->intervals + interval;
     pbwio__test_edges(s, p->edge[0], p->edge[1]);
-    if (p->near[side] != PBW_NONE) {
-        pbwio__test_edges(s, p->edge[side], s->intervals[p->near[side]].edge[!side]);
+    if (p->nearby[side] != PBW_NONE) {
+        pbwio__test_edges(s, p->edge[side], s->intervals[p->nearby[side]].edge[!side]);
     }
 }
 
@@ -2269,15 +2269,15 @@ static void pbwio__end_interval(pbwio__sweep *s, pbw_index v)
     pbw_index node, low, high;
     if (lower == upper) {
         s->failed |= pbwio__add_visible(s, p->end[0], 1, v) != p->end[1];
-        low = p->near[0];
-        high = p->near[1];
+        low = p->nearby[0];
+        high = p->nearby[1];
         pbwio__remove_interval(s, lower);
         if (low != PBW_NONE && high != PBW_NONE) {
             pbwio__test_edges(s, s->intervals[low].edge[1], s->intervals[high].edge[0]);
         }
         return;
     }
-    s->failed |= p->near[1] != upper;
+    s->failed |= p->nearby[1] != upper;
     if (s->failed) {
         return;
     }

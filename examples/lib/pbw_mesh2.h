@@ -1225,11 +1225,11 @@ static int pbwm2__place_before(const double *a, const double *b)
 }
 
 /* Makes the cuts of two segments that cross, at a new point, or at an end that is not farther from it than `near`. */
-static int pbwm2__cut_pair(pbwm2__job *job, pbwm2__cut pair, int exponent, double near, pbwm2__cuts *cuts)
+static int pbwm2__cut_pair(pbwm2__job *job, pbwm2__cut pair, int exponent, double nearby, pbwm2__cuts *cuts)
 {
     const pbwm2__piece *segment = job->segments.at;
     const double *corner[6];
-    double *p = job->given.at[0], out[2], unused[2], at[2], best = near;
+    double *p = job->given.at[0], out[2], unused[2], at[2], best = nearby;
     pbw_index end[4], number[2], point = (pbw_index)job->given.count;
     int turned[2], i, k;
     number[0] = pair.segment;

@@ -1946,23 +1946,24 @@ typedef struct pbwm3__cutting {
 static int pbwm3__is_layer(const pbwm3__work *w, const pbw_index *pair)
 {
     double n[2][3], across[3], out[3];
-    int i, near = 0;
+    int i, nearby = 0;
     pbwsf__normal_of(&w->surface, pair[0], n[0]);
     pbwsf__normal_of(&w->surface, pair[1], n[1]);
     pbwsf__cross(n[0], n[1], across);
     if (!(pbwsf__dot(across, across) < 1e-6 * pbwsf__dot(n[0], n[0]) * pbwsf__dot(n[1], n[1]))) {
         return 0;
     }
-    for (i = 0; i < 2 && near < 3; i++) {
+    for (i = 0; i < 2 && nearby < 3; i++) {
         const double within = PBWM3__WELD * w->size * sqrt(pbwsf__dot(n[i], n[i]));
-        for (near = 0; near < 3; near++) {
-            pbwsf__minus(pbwsf__corner(&w->surface, pair[1 - i], near), pbwsf__corner(&w->surface, pair[i], 0), out);
+        for (nearby = 0; nearby < 3; nearby++) {
+            pbwsf__minus(pbwsf__corner(&w->surface, pair[1 - i], nearby),
+                         pbwsf__corner(&w->surface, pair[i], 0), out);
             if (!(fabs(pbwsf__dot(out, n[i])) <= within)) {
                 break;
             }
         }
     }
-    return near == 3;
+    return nearby == 3;
 }
 
 /* Lists the pairs of each triangle, and the ends of their segments as places. */
@@ -3229,7 +3230,7 @@ static int pbwm3__mean_normal(const pbwm3__work *w, pbwm3__features *f, size_t t
         }
         for (k = 0; k < 3 && count < most; k++) {
             const size_t next = across[3 * at + (size_t)k], u = next / 2;
-            double near[3], third[3];
+            double nearby[3], third[3];
             if (next == (size_t)-1 || seen[u] == f->floods) {
                 continue;
             }
@@ -3240,8 +3241,8 @@ static int pbwm3__mean_normal(const pbwm3__work *w, pbwm3__features *f, size_t t
             for (j = 0; j < 3; j++) {
                 third[j] = (c[0][j] + c[1][j] + c[2][j]) / 3 - middle[j];
             }
-            pbwsf__nearest_in(c[0], c[1], c[2], middle, near);
-            if (pbwsf__distance(near, middle) < within && pbwsf__dot(third, side) > 0) {
+            pbwsf__nearest_in(c[0], c[1], c[2], middle, nearby);
+            if (pbwsf__distance(nearby, middle) < within && pbwsf__dot(third, side) > 0) {
                 queue[count++] = 2 * u + (next ^ queue[done]) % 2;
             }
         }
@@ -4881,7 +4882,7 @@ static pbw_status pbwm3__label_range(void *arg, size_t from, size_t to)
 {
     pbwm3__work *w = (pbwm3__work *)arg;
     size_t t;
-    int i, far, bridge;
+    int i, away, bridge;
     for (t = from; t < to; t++) {
         const pbw_index *c = w->now.mesh.simplices + 4 * t, same = w->same.at[t];
         double *centre = w->now.centre.at[t];
@@ -4895,16 +4896,16 @@ static pbw_status pbwm3__label_range(void *arg, size_t from, size_t to)
             p[i] = w->x.at[c[i]];
         }
         pbwm3__circumcentre(p, centre);
-        for (i = far = 0; i < 3; i++) {
-            far += !(centre[i] > w->low[i] && centre[i] < w->high[i]);
+        for (i = away = 0; i < 3; i++) {
+            away += !(centre[i] > w->low[i] && centre[i] < w->high[i]);
             if (!(fabs(centre[i] - w->low[i]) < 1e6 * w->size + 1e3 * (w->high[i] - w->low[i]))) {
                 memcpy(centre, p[0], 3 * sizeof *centre);    /* rounding decides the direction */
-                far = 1;
+                away = 1;
                 break;
             }
         }
         bridge = pbwm3__bridges(w, c);
-        w->now.label.at[t] = far && !bridge ? 0 : pbwm3__is_flat(w, c, bridge) ? pbwm3__label_outside(w, p, c)
+        w->now.label.at[t] = away && !bridge ? 0 : pbwm3__is_flat(w, c, bridge) ? pbwm3__label_outside(w, p, c)
                            : bridge ? pbwm3__label_of_middle(w, p) : pbwm3__inside(w, centre);
     }
     return PBW_OK;
@@ -5892,11 +5893,11 @@ static pbw_status pbwm3__place_range(void *arg, size_t from, size_t to)
     size_t i;
     for (i = from; i < to; i++) {
         pbwm3__place *place = places->place + i;
-        double near[3];
+        double nearby[3];
         place->distance = 0;
         if (!pbwm3__triangle_is_near(places->boundary, t, place->p, places->enough)) {
-            t = pbwsf__closest(places->boundary, place->p, HUGE_VAL, places->enough, near);
-            place->distance = t == PBW_NONE ? 0 : pbwsf__distance(place->p, near);
+            t = pbwsf__closest(places->boundary, place->p, HUGE_VAL, places->enough, nearby);
+            place->distance = t == PBW_NONE ? 0 : pbwsf__distance(place->p, nearby);
         }
     }
     return PBW_OK;
@@ -6009,18 +6010,18 @@ static void pbwm3__halve_size(pbwm3__work *w, const double p[3])
 static long pbwm3__add_places(pbwm3__work *w, pbwm3__place_list *places, int halve)
 {
     pbwm3__place *place = places->at;
-    size_t i, far = 0;
+    size_t i, away = 0;
     long added = 0;
     int got = 0;
     for (i = 0; i < places->count; i++) {
         if (place[i].distance > w->distance * w->size) {
-            place[far++] = place[i];
+            place[away++] = place[i];
         }
     }
-    if (far > 0) {
-        qsort(place, far, sizeof *place, pbwm3__compare_places);
+    if (away > 0) {
+        qsort(place, away, sizeof *place, pbwm3__compare_places);
     }
-    for (i = 0; i < far && got >= 0 && !w->cancelled; i++) {
+    for (i = 0; i < away && got >= 0 && !w->cancelled; i++) {
         double p[3];
         size_t patch;
         (void)pbwm3__ends_at(w, i, 64);              /* however late it is, the points of a round are added */
@@ -6585,49 +6586,49 @@ typedef struct pbwm3__distances {
 } pbwm3__distances;
 
 /* Makes place k of a triangle: its middle, those of its edges, its corners.  Returns 0 if another triangle has it. */
-static int pbwm3__distance_place(const pbwm3__distances *far, size_t triangle, int k, double p[3])
+static int pbwm3__distance_place(const pbwm3__distances *away, size_t triangle, int k, double p[3])
 {
-    const pbw_index *v = far->triangles + 3 * triangle;
+    const pbw_index *v = away->triangles + 3 * triangle;
     const double *c[3];
     int j;
     for (j = 0; j < 3; j++) {
-        c[j] = far->points + 3 * (size_t)v[j];
+        c[j] = away->points + 3 * (size_t)v[j];
     }
     for (j = 0; j < 3; j++) {
         p[j] = k == 0 ? (c[0][j] + c[1][j] + c[2][j]) / 3 : k < 4 ? (c[k - 1][j] + c[k % 3][j]) / 2 : c[k - 4][j];
     }
     if (k > 3) {
-        unsigned char *seen = far->seen + v[k - 4];
+        unsigned char *seen = away->seen + v[k - 4];
         if (PBW_ATOMIC_LOAD(seen)) {
             return 0;
         }
         PBW_ATOMIC_STORE(seen, 1);
     }
-    return k == 0 || k > 3 || !far->paired || v[k - 1] < v[k % 3];
+    return k == 0 || k > 3 || !away->paired || v[k - 1] < v[k % 3];
 }
 
 static pbw_status pbwm3__distance_range(void *arg, size_t from, size_t to)
 {
-    const pbwm3__distances *far = (const pbwm3__distances *)arg;
-    pbw_index near = PBW_NONE;                       /* the triangle that is nearest to the place before */
+    const pbwm3__distances *away = (const pbwm3__distances *)arg;
+    pbw_index nearby = PBW_NONE;                     /* the triangle that is nearest to the place before */
     double most = 0;
     size_t i;
     int k;
     for (i = from; i < to; i++) {
         for (k = 0; k < 7; k++) {
             double p[3], place[3];
-            if (pbwm3__distance_place(far, i, k, p) && !pbwm3__triangle_is_near(far->surface, near, p, most)) {
-                near = pbwsf__closest(far->surface, p, HUGE_VAL, most, place);
-                most = near == PBW_NONE ? most : fmax(most, pbwsf__distance(p, place));
+            if (pbwm3__distance_place(away, i, k, p) && !pbwm3__triangle_is_near(away->surface, nearby, p, most)) {
+                nearby = pbwsf__closest(away->surface, p, HUGE_VAL, most, place);
+                most = nearby == PBW_NONE ? most : fmax(most, pbwsf__distance(p, place));
             }
         }
     }
-    far->distance[from / PBWM3__DISTANCES] = most;
+    away->distance[from / PBWM3__DISTANCES] = most;
     return PBW_OK;
 }
 
 /* Raises *least to the largest distance of the triangles, at so many points, from the surface. */
-static pbw_status pbwm3__farthest(pbwm3__work *w, pbwm3__distances *far, size_t points, size_t count, double *least)
+static pbw_status pbwm3__farthest(pbwm3__work *w, pbwm3__distances *away, size_t points, size_t count, double *least)
 {
     const size_t ranges = (count + PBWM3__DISTANCES - 1) / PBWM3__DISTANCES;
     pbwsf__numbers room = { NULL, 0, 0 };
@@ -6638,11 +6639,11 @@ static pbw_status pbwm3__farthest(pbwm3__work *w, pbwm3__distances *far, size_t 
     options.progress = pbwm3__part_progress;
     options.progress_user = w;
     if (PBW_FIT(&w->memory, room, ranges + 1) && PBW_ZEROS(&w->memory, seen, points)) {
-        far->distance = room.at;
-        far->seen = seen.at;
-        status = pbw_for(&options, count, PBWM3__DISTANCES, pbwm3__distance_range, far);
+        away->distance = room.at;
+        away->seen = seen.at;
+        status = pbw_for(&options, count, PBWM3__DISTANCES, pbwm3__distance_range, away);
         for (i = 0; status == PBW_OK && i < ranges; i++) {
-            *least = fmax(*least, far->distance[i]);
+            *least = fmax(*least, away->distance[i]);
         }
     }
     PBW_RELEASE(&w->memory, room);
@@ -6859,7 +6860,7 @@ static pbw_status pbwm3__report_boundary(pbwm3__work *w, const pbw_tets *out, co
     const pbw_index *facet = (const pbw_index *)facets->at;
     pbwm3__topology top;
     pbw_surface boundary;
-    pbwm3__distances far;
+    pbwm3__distances away;
     pbw_status status = PBW_ERROR_MEMORY;
     double distance = 0;
     memset(&top, 0, sizeof top);
@@ -6873,20 +6874,20 @@ static pbw_status pbwm3__report_boundary(pbwm3__work *w, const pbw_tets *out, co
         r->bad_points = top.bad_points;
         r->euler = top.euler;
         pbwm3__list_bad_places(r, &top, out);
-        far.points = out->points;
-        far.triangles = facet;
-        far.surface = &w->surface;
-        far.paired = !w->walls;
-        status = pbwm3__farthest(w, &far, out->point_count, facets->count, &distance);
+        away.points = out->points;
+        away.triangles = facet;
+        away.surface = &w->surface;
+        away.paired = !w->walls;
+        status = pbwm3__farthest(w, &away, out->point_count, facets->count, &distance);
     }
     if (status == PBW_OK && !w->joined) {            /* else parts of the surface are inside */
-        far.points = w->surface.points;
-        far.triangles = w->surface.triangles;
-        far.surface = &boundary;
-        far.paired = !w->walls && !w->open && !w->twisted;
+        away.points = w->surface.points;
+        away.triangles = w->surface.triangles;
+        away.surface = &boundary;
+        away.paired = !w->walls && !w->open && !w->twisted;
         w->from = w->to;
         w->to = 1;
-        status = pbwm3__farthest(w, &far, w->surface.point_count, w->surface.triangle_count, &distance);
+        status = pbwm3__farthest(w, &away, w->surface.point_count, w->surface.triangle_count, &distance);
     }
     r->distance = distance / w->size;
     pbwm3__drop_surface(w, &boundary);

@@ -268,11 +268,11 @@ static double pbwpic__hidden(const pbwpic__view *v, const pbwpic__face *f)
         double c = cos(direction * 0.39269908), s = sin(direction * 0.39269908), slope = c * zx + s * zy, most = 0;
         double floor_slope = slope > 3 ? 3 : slope < -3 ? -3 : slope;
         for (step = 0; step < 9; step++) {
-            double far = 4 * pow(1.55, step), rise;
-            int i = (int)(x + c * far), j = (int)(y + s * far);
+            double away = 4 * pow(1.55, step), rise;
+            int i = (int)(x + c * away), j = (int)(y + s * away);
             if (i >= 0 && i < PBWPIC__WIDE && j >= 0 && j < PBWPIC__HIGH) {
-                rise = (v->depth[(size_t)j * PBWPIC__WIDE + (size_t)i] - z) / far - floor_slope;
-                rise *= 1 / (1 + far / 90);
+                rise = (v->depth[(size_t)j * PBWPIC__WIDE + (size_t)i] - z) / away - floor_slope;
+                rise *= 1 / (1 + away / 90);
                 most = rise > most ? rise : most;
             }
         }
@@ -408,9 +408,9 @@ static int pbwpic__faces3(pbwpic__view *v)
         lit = pbwpic__dot(normal, light);
         f->shade = (float)(f->value < 0 ? 0.44 + 0.68 * (lit > 0 ? lit : 0.15 * lit) : 0.80 + 0.25 * lit);
         for (k = 0; k < 3; k++) {
-            double z = pbwpic__dot(corner[k], eye), near = distance / (distance - z);
-            f->x[k] = (float)(pbwpic__dot(corner[k], right) * near);
-            f->y[k] = (float)(-pbwpic__dot(corner[k], up) * near);
+            double z = pbwpic__dot(corner[k], eye), nearby = distance / (distance - z);
+            f->x[k] = (float)(pbwpic__dot(corner[k], right) * nearby);
+            f->y[k] = (float)(-pbwpic__dot(corner[k], up) * nearby);
             f->z[k] = (float)z;
         }
     }

@@ -920,7 +920,7 @@ typedef struct pbwsample__work {
     PBW_ARRAY(pbwsample__ball) balls;          /* by samples */
     PBW_ARRAY(pbwsample__chunk) chunks;
     pbwsample__table cells;
-    pbwsample__ball near[PBWSAMPLE__NEAR];     /* those around the last dart */
+    pbwsample__ball nearby[PBWSAMPLE__NEAR];   /* those around the last dart */
     int near_count;
     int levels, level[64];                     /* those in use; at level l cells have the side 2^(l+1) radius */
     double scale[64];                          /* one over the side */
@@ -1043,7 +1043,7 @@ static double pbwsample__find_balls(pbwsample__work *w, const double p[3], doubl
                     && pbwsample__opposed(w->model, triangle, w->set->triangles[chunk->ids[i]])) {
                     continue;
                 }
-                w->near[count] = *ball;
+                w->nearby[count] = *ball;
                 radius = hit ? ball->r : radius;
                 count += (square < reach * reach) & (count < PBWSAMPLE__NEAR - 1);
             }
@@ -1060,7 +1060,7 @@ static uint32_t pbwsample__mask(const pbwsample__work *w, const double p[3])
     uint32_t mask = 0;
     int i;
     for (i = 0; i < w->near_count; i++) {
-        const pbwsample__ball *ball = w->near + i;
+        const pbwsample__ball *ball = w->nearby + i;
         mask |= (uint32_t)(pbwsample__square(ball->at, p) <= ball->r * ball->r) << i;
     }
     return mask;
@@ -1362,7 +1362,7 @@ static void pbwsample__throw_at_triangle(pbwsample__work *w, const pbwsample__pi
         if (w->status != PBW_OK) {
             return;
         }
-        w->near[0] = w->balls.at[w->set->count - 1];                    /* likely enough for all of it */
+        w->nearby[0] = w->balls.at[w->set->count - 1];                  /* likely enough for all of it */
         w->near_count = 1;
     }
     for (i = 0; i < 3; i++) {

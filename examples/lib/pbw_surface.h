@@ -569,20 +569,20 @@ static pbw_index pbwsf__closest(const pbw_surface *surface, const double p[3], d
     stack[0].distance = pbwsf__box_distance(box, p);
     while (depth > 0) {
         size_t i = stack[--depth].node, k;
-        double near = stack[depth].distance;
-        while (i < tree->first_leaf && near < best) {        /* to the nearer child; the other one must wait */
+        double nearby = stack[depth].distance;
+        while (i < tree->first_leaf && nearby < best) {      /* to the nearer child; the other one must wait */
             const double left = pbwsf__box_distance(box + 2 * i + 1, p);
             const double right = pbwsf__box_distance(box + 2 * i + 2, p);
             const size_t turned = right < left;
-            const double far = turned ? left : right;
-            if (far < best) {
+            const double away = turned ? left : right;
+            if (away < best) {
                 stack[depth].node = 2 * i + 2 - turned;
-                stack[depth++].distance = far;
+                stack[depth++].distance = away;
             }
-            near = turned ? right : left;
+            nearby = turned ? right : left;
             i = 2 * i + 1 + turned;
         }
-        for (k = pbwsf__first_of(tree, i); near < best && k < pbwsf__end_of(surface, tree, i); k++) {
+        for (k = pbwsf__first_of(tree, i); nearby < best && k < pbwsf__end_of(surface, tree, i); k++) {
             const double *a = pbwsf__corner(surface, order[k], 0), *b = pbwsf__corner(surface, order[k], 1);
             const double *c = pbwsf__corner(surface, order[k], 2);
             double q[3], d[3];
@@ -924,16 +924,16 @@ PBWDEF double pbw_surface_winding(const pbw_surface *surface, const double p[3])
     stack[0] = 0;
     while (depth > 0) {
         const size_t i = stack[--depth];
-        double middle[3], d[3], far, half;
+        double middle[3], d[3], away, half;
         if (box[i].low[0] > box[i].high[0]) {
             continue;
         }
         pbwsf__between(box[i].low, box[i].high, 0.5, middle);
         half = pbwsf__distance(box[i].low, middle);
         pbwsf__minus(middle, p, d);
-        far = sqrt(pbwsf__dot(d, d));
-        if (far > 3 * half) {
-            sum += pbwsf__dot(box[i].area, d) / (12.566370614359172 * far * far * far);
+        away = sqrt(pbwsf__dot(d, d));
+        if (away > 3 * half) {
+            sum += pbwsf__dot(box[i].area, d) / (12.566370614359172 * away * away * away);
         } else if (i < tree->first_leaf) {
             stack[depth++] = 2 * i + 1;
             stack[depth++] = 2 * i + 2;
@@ -1564,9 +1564,9 @@ static int pbwsf__meet(const pbwsf__search *s, pbwsf__triangle *t, pbwsf__triang
         }
     }
     if (common == 2) {                               /* 3 - sum: the corners across */
-        const double *far = u->x[3 - sum_u];
-        return pbwsf__side_of(s, t, far) == 0
-            && pbwsf__folded(t->x[(4 - sum_t) % 3], t->x[(5 - sum_t) % 3], t->x[3 - sum_t], far);
+        const double *away = u->x[3 - sum_u];
+        return pbwsf__side_of(s, t, away) == 0
+            && pbwsf__folded(t->x[(4 - sum_t) % 3], t->x[(5 - sum_t) % 3], t->x[3 - sum_t], away);
     }
     if (common == 1 ? pbwsf__side_apart(t, in_t, u) && pbwsf__side_apart(u, in_u, t) : pbwsf__parted(t, u)) {
         return 0;
@@ -1748,7 +1748,7 @@ static pbw_status pbwsf__segment_range(void *arg, size_t from, size_t to)
     pbwsf__search *s = (pbwsf__search *)arg;
     for (; from < to; from++) {
         const pbw_index *pair = s->found->crossings.at + 2 * from;
-        double *out = s->found->segments.at + 6 * from, far = -1;
+        double *out = s->found->segments.at + 6 * from, away = -1;
         pbwsf__triangle t, u;
         pbwsf__common common;
         int i, j;
@@ -1762,8 +1762,8 @@ static pbw_status pbwsf__segment_range(void *arg, size_t from, size_t to)
         for (i = 0; i < common.count; i++) {
             for (j = 0; j <= i; j++) {
                 const double d = pbwsf__distance(common.at[i], common.at[j]);
-                if (d > far) {
-                    far = d;
+                if (d > away) {
+                    away = d;
                     memcpy(out, common.at[j], sizeof common.at[j]);
                     memcpy(out + 3, common.at[i], sizeof common.at[i]);
                 }

@@ -951,7 +951,7 @@ static int pbwt__is_clear(const pbwt__ball *ball, const double *low, const doubl
     }
     for (k = 0; k < 3; k++) {
         const double from = low[k] - ball->a[k], to = high[k] - ball->a[k], n = ball->n[k], e = ball->n_error[k];
-        const double far = fabs(from) > fabs(to) ? fabs(from) : fabs(to);
+        const double away = fabs(from) > fabs(to) ? fabs(from) : fabs(to);
         double least = HUGE_VAL, part;
         if (to >= 0) {
             least = pbwt__parabola(d, n + e, from > 0 ? from : 0, to);
@@ -961,7 +961,7 @@ static int pbwt__is_clear(const pbwt__ball *ball, const double *low, const doubl
             least = part < least ? part : least;
         }
         sum += least;
-        size += d_high * far * far + fabs(n) * far;
+        size += d_high * away * away + fabs(n) * away;
     }
     if (ball->q->facet == 0) {
         sum -= lift > 0 ? d_high * lift : d * lift;
@@ -1553,13 +1553,13 @@ static int pbwt__takes_samples(const struct pbwt__tile *t, const pbwt_summary *s
     const size_t parts = (size_t)t->tile->parts;
     const pbwt_box *own = &summaries[t->tile->tree->part].box, *box = &summaries[p].box;
     const pbwt_box *all = t->parts.at + t->parts.count - 1;
-    int k, near = 1, end = 0;
+    int k, nearby = 1, end = 0;
     for (k = 0; k < t->tile->dim; k++) {
         const double size = own->high[k] - own->low[k];
-        near &= box->low[k] <= own->high[k] + size && box->high[k] >= own->low[k] - size;
+        nearby &= box->low[k] <= own->high[k] + size && box->high[k] >= own->low[k] - size;
         end |= !(box->low[k] > all->low[k]) || !(box->high[k] < all->high[k]);
     }
-    return parts <= 64 || near || p % (parts / 32) == 0 || (end && p % (parts / 32) < 2);
+    return parts <= 64 || nearby || p % (parts / 32) == 0 || (end && p % (parts / 32) < 2);
 }
 
 /* Copies the summaries: boxes of the other parts, and samples as the first foreign points. */
@@ -2678,7 +2678,7 @@ PBWDEF pbw_status pbwt_ask(pbwt_tile *tile, int *more)
    of U may be hidden, but appear among so few points; then its simplices have only hidden vertices in common.  So
    simplices count only if corners in U connect them to a vertex that a vertex of C knows as a neighbour.
    ------------------------------------------------------------------------------------------------------ */
-typedef struct pbwt__known { uint64_t given, near, seen, emitted; } pbwt__known;         /* vertices, vertices, ids */
+typedef struct pbwt__known { uint64_t given, nearby, seen, emitted; } pbwt__known;       /* vertices, vertices, ids */
 
 static int pbwt__is_in(const uint64_t *ids, size_t count, uint64_t id)
 {
@@ -2721,16 +2721,16 @@ static int pbwt__know_simplex(pbwt__knowing *k, const uint32_t *corner, const ui
     const pbwt_tile *tile = k->tile;
     const size_t corners = (size_t)tile->dim + 1, own = tile->tree->count;
     size_t i;
-    int near = 0, room = 1;
+    int nearby = 0, room = 1;
     for (i = 0; i < corners && room; i++) {
         const uint64_t id = corner[i] < own ? tile->tree->points[corner[i]].id
                           : tile->foreign[corner[i] - own].point.id;
         if (pbwt__is_in(ids, count, id)) {
-            near = 1;
+            nearby = 1;
             room = PBW_PUSH(&k->memory, k->seen, id);
         }
     }
-    for (i = 0; i < corners && near && room; i++) {
+    for (i = 0; i < corners && nearby && room; i++) {
         room = corner[i] >= own || pbwt__add_known(k, corner[i]);
     }
     return room;
@@ -2767,7 +2767,7 @@ PBWDEF pbw_status pbwt_leftovers(const pbwt_tile *tile, const uint64_t *ids, siz
     k.memory = pbwt__memory_beside(tile->tree);
     if (pbwt__find_known(&k, ids, count)) {
         head.given = tile->leftover_count;
-        head.near = k.vertices.count - tile->leftover_count;
+        head.nearby = k.vertices.count - tile->leftover_count;
         head.seen = k.seen.count;
         head.emitted = tile->numbers.simplices;
         vertices = k.vertices.count * sizeof(pbwt_vertex);
@@ -2811,12 +2811,12 @@ static pbw_status pbwt__read_known(pbwt__rest *rest, const pbwt_bytes *known, in
             return PBW_ERROR_ARGUMENT;
         }
         memcpy(&head, known->data + at, sizeof head);
-        if (head.given > left / sizeof(pbwt_vertex) || head.near > left / sizeof(pbwt_vertex) || head.seen > left / 8
-            || (head.given + head.near) * sizeof(pbwt_vertex) + head.seen * 8 > left) {
+        if (head.given > left / sizeof(pbwt_vertex) || head.nearby > left / sizeof(pbwt_vertex)
+            || head.seen > left / 8 || (head.given + head.nearby) * sizeof(pbwt_vertex) + head.seen * 8 > left) {
             return PBW_ERROR_ARGUMENT;
         }
-        skip = (size_t)(which == 0 ? 0 : which == 1 ? head.given : head.given + head.near) * sizeof(pbwt_vertex);
-        count = (size_t)(which == 0 ? head.given : which == 1 ? head.near : head.seen);
+        skip = (size_t)(which == 0 ? 0 : which == 1 ? head.given : head.given + head.nearby) * sizeof(pbwt_vertex);
+        count = (size_t)(which == 0 ? head.given : which == 1 ? head.nearby : head.seen);
         from = known->data + at + sizeof head + skip;
         if (which < 2 ? !PBW_RESERVE(&t->memory, t->foreign, count) : !PBW_RESERVE(&t->memory, rest->seen, count)) {
             return PBW_ERROR_MEMORY;
@@ -2828,8 +2828,8 @@ static pbw_status pbwt__read_known(pbwt__rest *rest, const pbwt_bytes *known, in
             memcpy(rest->seen.at + rest->seen.count, from, count * sizeof *rest->seen.at);
             rest->seen.count += count;
         }
-        rest->others |= head.near > 0 || head.emitted > 0;
-        at += sizeof head + (size_t)(head.given + head.near) * sizeof(pbwt_vertex) + (size_t)head.seen * 8;
+        rest->others |= head.nearby > 0 || head.emitted > 0;
+        at += sizeof head + (size_t)(head.given + head.nearby) * sizeof(pbwt_vertex) + (size_t)head.seen * 8;
     }
     return PBW_OK;
 }

@@ -371,22 +371,22 @@ static int pbwwr__approach(const double *const c[3], const double *a, const doub
 {
     int i;
     for (i = 0; i < 100; i++) {
-        double p[3], q[3], u[3], far, slope;
+        double p[3], q[3], u[3], away, slope;
         int k;
         for (k = 0; k < 3; k++) {
             p[k] = a[k] + *t * d[k];
         }
         pbwsf__nearest_in(c[0], c[1], c[2], p, q);
         pbwsf__minus(p, q, u);
-        far = sqrt(pbwsf__dot(u, u));
-        if (far <= offset * (1 + PBWWR__HIT)) {
+        away = sqrt(pbwsf__dot(u, u));
+        if (away <= offset * (1 + PBWWR__HIT)) {
             return 1;
         }
-        slope = pbwsf__dot(u, d) / far;
+        slope = pbwsf__dot(u, d) / away;
         if (!(slope < 0)) {
             return 0;
         }
-        *t += (offset - far) / slope;
+        *t += (offset - away) / slope;
         if (!(*t < most)) {
             return 0;
         }
@@ -559,9 +559,9 @@ static int pbwwr__may_meet_box(pbwwr__tet *t, const pbwsf__box *box)
     memcpy(side, box->low, sizeof box->low);
     memcpy(side + 3, box->high, sizeof box->high);
     for (i = 0; i < 4; i++) {
-        const int f = t->last ^ i, *near = t->nearest[f];
+        const int f = t->last ^ i, *nearby = t->nearest[f];
         const double *n = t->normal[f];
-        if (n[0] * side[near[0]] + n[1] * side[near[1]] + n[2] * side[near[2]] > t->most[f]) {
+        if (n[0] * side[nearby[0]] + n[1] * side[nearby[1]] + n[2] * side[nearby[2]] > t->most[f]) {
             t->last = f;
             return 0;
         }
@@ -875,10 +875,10 @@ static int pbwwr__add_gates(pbwwr__work *w, const pbw_index *born, size_t count,
 /* Returns a cell near a and b that is in conflict with a place; PBW_NONE if there is none.  b may be PBW_NONE. */
 static pbw_index pbwwr__find_start(const pbwwr__work *w, const double place[3], pbw_index a, pbw_index b)
 {
-    const pbw_index near[2] = { a, b };
+    const pbw_index nearby[2] = { a, b };
     size_t i;
     for (i = 0; i < 10; i++) {                       /* both, and then their neighbors */
-        const pbw_index of = near[i < 2 ? i : (i - 2) / 4];
+        const pbw_index of = nearby[i < 2 ? i : (i - 2) / 4];
         const pbw_index at = of == PBW_NONE || i < 2 ? of : w->cells.at[of].next[(i - 2) % 4];
         const int conflict = at == PBW_NONE ? 0 : pbwwr__conflict(w, at, place);
         if (conflict != 0) {
@@ -911,17 +911,17 @@ static pbw_index pbwwr__nearest(const pbwwr__work *w, const double p[3], double 
 static void pbwwr__project(const pbwwr__work *w, const double centre[3], double radius, const double from[3],
                            double place[3])
 {
-    double near[3], d[3], length;
+    double nearby[3], d[3], length;
     int k;
-    (void)pbwwr__nearest(w, centre, radius, near);
-    pbwsf__minus(centre, near, d);
+    (void)pbwwr__nearest(w, centre, radius, nearby);
+    pbwsf__minus(centre, nearby, d);
     length = sqrt(pbwsf__dot(d, d));
     if (!(length > 1e-6 * w->offset)) {
-        pbwsf__minus(from, near, d);
+        pbwsf__minus(from, nearby, d);
         length = sqrt(pbwsf__dot(d, d));
     }
     for (k = 0; k < 3; k++) {
-        place[k] = near[k] + (length > 0 ? d[k] / length * w->offset : 0);
+        place[k] = nearby[k] + (length > 0 ? d[k] / length * w->offset : 0);
     }
 }
 
@@ -929,18 +929,18 @@ static void pbwwr__decide(const pbwwr__work *w, pbwwr__verdict *v)
 {
     const pbwwr__cell *to = w->cells.at + v->gate.cell;
     const double *c[4];
-    double from[3], near[3];
+    double from[3], nearby[3];
     pbwwr__corners(w, to, c);
     if (v->from != PBW_NONE) {
         memcpy(from, w->cells.at[v->from].centre, sizeof from);
     } else {                                         /* beyond the facet, and beyond all elements */
-        double n[3], far = pbwsf__distance(w->low, w->high), length, forward;
+        double n[3], away = pbwsf__distance(w->low, w->high), length, forward;
         int k;
         pbwsf__normal(c[PBW_FACET_CORNER(v->gate.facet, 0)], c[PBW_FACET_CORNER(v->gate.facet, 1)],
                       c[PBW_FACET_CORNER(v->gate.facet, 2)], n);
         length = sqrt(pbwsf__dot(n, n));
-        pbwsf__minus(to->centre, c[PBW_FACET_CORNER(v->gate.facet, 0)], near);
-        forward = fmax(pbwsf__dot(near, n) / length, 0) + far;
+        pbwsf__minus(to->centre, c[PBW_FACET_CORNER(v->gate.facet, 0)], nearby);
+        forward = fmax(pbwsf__dot(nearby, n) / length, 0) + away;
         for (k = 0; k < 3; k++) {
             from[k] = to->centre[k] + n[k] / length * forward;
         }
@@ -1677,24 +1677,25 @@ typedef struct pbwwr__near {               /* facets that look for their element
 
 static pbw_status pbwwr__find_nearest(void *arg, size_t from, size_t to)
 {
-    const pbwwr__near *near = (const pbwwr__near *)arg;
+    const pbwwr__near *nearby = (const pbwwr__near *)arg;
     for (; from < to; from++) {
-        const pbw_index *f = near->result->facets.at[from];
+        const pbw_index *f = nearby->result->facets.at[from];
         double middle[3], place[3];
         int k;
         for (k = 0; k < 3; k++) {
-            middle[k] = near->result->points.at[f[0]][k] / 3 + near->result->points.at[f[1]][k] / 3
-                      + near->result->points.at[f[2]][k] / 3;
+            middle[k] = nearby->result->points.at[f[0]][k] / 3 + nearby->result->points.at[f[1]][k] / 3
+                      + nearby->result->points.at[f[2]][k] / 3;
         }
-        near->result->elements.at[from] = near->work->origin.at[pbwwr__nearest(
-            near->work, middle, pbwsf__distance(middle, near->result->points.at[f[0]]) + near->work->offset, place)];
+        nearby->result->elements.at[from] = nearby->work->origin.at[pbwwr__nearest(
+            nearby->work, middle, pbwsf__distance(middle, nearby->result->points.at[f[0]]) + nearby->work->offset,
+            place)];
     }
     return PBW_OK;
 }
 
 static pbw_status pbwwr__list_facets(pbwwr__work *w, pbwwr__result *r, size_t tets, size_t facets)
 {
-    pbwwr__near near;
+    pbwwr__near nearby;
     size_t t, k, j;
     if (!PBW_FIT(&w->memory, r->facets, facets) || !PBW_FIT(&w->memory, r->elements, facets)) {
         return PBW_ERROR_MEMORY;
@@ -1712,9 +1713,9 @@ static pbw_status pbwwr__list_facets(pbwwr__work *w, pbwwr__result *r, size_t te
             }
         }
     }
-    near.work = w;
-    near.result = r;
-    return pbw_for(&w->options, facets, 256, pbwwr__find_nearest, &near);
+    nearby.work = w;
+    nearby.result = r;
+    return pbw_for(&w->options, facets, 256, pbwwr__find_nearest, &nearby);
 }
 
 /* Sums up what is inside: its volume, its surface's area, numbers of tetrahedra and facets. */
@@ -1868,17 +1869,17 @@ static int pbwwr__is_outside(const pbwwr__work *w, pbw_index at, const double p[
 static int pbwwr__is_sheet(const pbwwr__work *w, pbw_index cell, pbw_index vertex)
 {
     const double *v = w->x.at[vertex];
-    double near[3], d[3], place[3], p[3], t, length, alpha = w->alpha;
+    double nearby[3], d[3], place[3], p[3], t, length, alpha = w->alpha;
     int k, sheet = 1;
     if (w->how->alpha_at != NULL) {
         alpha = fmin(alpha, fmax(w->how->alpha_at(w->how->alpha_user, v), w->offset));
     }
-    (void)pbwwr__nearest(w, v, w->offset, near);
-    pbwsf__minus(near, v, d);
+    (void)pbwwr__nearest(w, v, w->offset, nearby);
+    pbwsf__minus(nearby, v, d);
     length = sqrt(pbwsf__dot(d, d));
     for (t = w->offset + PBWWR__BEHIND * alpha; sheet && t > w->offset / 2; t /= 2) {
         for (k = 0; k < 3; k++) {
-            p[k] = near[k] + (length > 0 ? d[k] / length * t : 0);
+            p[k] = nearby[k] + (length > 0 ? d[k] / length * t : 0);
         }
         sheet = (t < w->offset + PBWWR__BEHIND * alpha || pbwwr__is_outside(w, cell, p))
              && pbw_surface_closest(&w->surface, p, t / 2, place) == PBW_NONE;
@@ -2309,18 +2310,18 @@ static pbw_status pbwwr__find_far(void *arg, size_t from, size_t to)
 {
     static const double weights[7][3] = { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 }, { 1. / 3, 1. / 3, 1. / 3 },
                                           { .5, .5, 0 }, { 0, .5, .5 }, { .5, 0, .5 } };
-    const pbwwr__far *far = (const pbwwr__far *)arg;
-    double *most = far->block + from / PBWWR__BLOCK;
+    const pbwwr__far *away = (const pbwwr__far *)arg;
+    double *most = away->block + from / PBWWR__BLOCK;
     int i, j, k;
     for (*most = 0; from < to; from++) {
-        for (i = 0; i < far->per; i++) {
+        for (i = 0; i < away->per; i++) {
             double p[3] = { 0, 0, 0 }, q[3];
             for (j = 0; j < 3; j++) {
                 for (k = 0; k < 3; k++) {
-                    p[k] += weights[i][j] * pbwsf__corner(far->of, (pbw_index)from, j)[k];
+                    p[k] += weights[i][j] * pbwsf__corner(away->of, (pbw_index)from, j)[k];
                 }
             }
-            (void)pbw_surface_closest(far->from, p, HUGE_VAL, q);
+            (void)pbw_surface_closest(away->from, p, HUGE_VAL, q);
             *most = fmax(*most, pbwsf__distance(p, q));
         }
     }
@@ -2331,17 +2332,17 @@ static pbw_status pbwwr__farthest(pbwwr__work *w, const pbw_surface *of, const p
                                   double *distance)
 {
     pbwsf__numbers blocks = { NULL, 0, 0 };
-    pbwwr__far far;
+    pbwwr__far away;
     pbw_status status;
     size_t i;
     if (!PBW_ZEROS(&w->memory, blocks, of->triangle_count / PBWWR__BLOCK + 1)) {
         return PBW_ERROR_MEMORY;
     }
-    far.of = of;
-    far.from = from;
-    far.per = per;
-    far.block = blocks.at;
-    status = pbw_for(&w->options, of->triangle_count, PBWWR__BLOCK, pbwwr__find_far, &far);
+    away.of = of;
+    away.from = from;
+    away.per = per;
+    away.block = blocks.at;
+    status = pbw_for(&w->options, of->triangle_count, PBWWR__BLOCK, pbwwr__find_far, &away);
     for (i = 0, *distance = 0; i < blocks.count; i++) {
         *distance = fmax(*distance, blocks.at[i]);
     }
