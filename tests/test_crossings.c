@@ -1,6 +1,6 @@
 /* test_crossings.c: pbw_surface_crossings against a search of all pairs in integers, on many soups of triangles; the
    same for all threads, coordinates of any magnitude, progress, cancelling, and sound after every failure; winding
-   numbers by the rim of open surfaces. */
+   numbers by the open edges of surfaces. */
 #define PBW_SURFACE_IMPLEMENTATION
 #include "pbw_surface.h"
 #include "meter.h"
@@ -561,15 +561,15 @@ static void test_threads(void)
     test_end();
 }
 
-/* Winding numbers by the rim of small soups, of corners on a lattice, against sums of all solid angles: rays through
-   corners and edges of the rim, edges of many triangles, triangles with a corner twice; with each allocation failing;
-   a rim that is long is left to dipoles. */
-static void test_rims(void)
+/* Small soups with corners on a lattice: winding numbers by open edges are those by sums of all solid angles.  Rays
+   pass through corners and edges, edges have many triangles, triangles have a corner twice, and each allocation
+   fails.  Where open edges are many, they are not listed. */
+static void test_open(void)
 {
     pbw_options options = { 0 };
     meter m;
     long i;
-    if (!test_begin("winding numbers by the rim")) {
+    if (!test_begin("winding numbers by open edges")) {
         return;
     }
     options.threads = 1;
@@ -590,9 +590,9 @@ static void test_rims(void)
         }
         meter_start(&m, i % 2 == 0 ? 0 : 1 + i / 2 % 15, 0);
         status = pbw_surface_create(s.points, points, s.triangles, count, &options, &tree);
-        status = status == PBW_OK ? pbwsf__find_rim(&tree, &options) : status;
+        status = status == PBW_OK ? pbwsf__find_open(&tree, &options) : status;
         CHECK(status == (m.refused > 0 ? PBW_ERROR_MEMORY : PBW_OK) && (i % 2 == 1 || status == PBW_OK));
-        CHECK(status != PBW_OK || ((const pbwsf__tree *)tree.memory)->has_rim == !is_long);
+        CHECK(status != PBW_OK || ((const pbwsf__tree *)tree.memory)->has_open == !is_long);
         for (k = 0; k < 50 && status == PBW_OK && !is_long; k++) {
             double p[3], place[3], sum = 0;
             size_t t;
@@ -719,7 +719,7 @@ int main(int argc, char **argv)
     test_nearly();
     test_refusals();
     test_empty();
-    test_rims();
+    test_open();
     test_threads();
     test_failures();
     test_crowds();

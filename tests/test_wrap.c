@@ -752,6 +752,21 @@ static void ask_often(void)
     pbw_wrap_free(&w);
 }
 
+/* Options of calls that m counts and eye watches. */
+static pbw_options watched(int threads, meter *m, watch *eye)
+{
+    pbw_options options;
+    memset(&options, 0, sizeof options);
+    options.threads = threads;
+    options.resize = meter_resize;
+    options.resize_user = m;
+    options.progress = watch_progress;
+    options.progress_user = eye;
+    meter_start(m, 0, 0);
+    watch_start(eye, 0);
+    return options;
+}
+
 static void fail_everywhere(void)
 {
     static wraps_soup s;
@@ -762,15 +777,8 @@ static void fail_everywhere(void)
     double distance[2];
     long requests, i, calls;
     size_t peak;
-    memset(&options, 0, sizeof options);
     wraps_make(&s, 7);
-    options.threads = 1;
-    options.resize = meter_resize;
-    options.resize_user = &m;
-    options.progress = watch_progress;
-    options.progress_user = &eye;
-    meter_start(&m, 0, 0);
-    watch_start(&eye, 0);
+    options = watched(1, &m, &eye);
     CHECK_EQUAL(pbw_wrap(&s.in, &s.how, &options, &w, NULL), PBW_OK);
     CHECK_EQUAL(eye.wrong, 0);
     CHECK(eye.done >= 1 && w.facet_count > 50);
@@ -806,7 +814,8 @@ static void fail_everywhere(void)
     }
 }
 
-/* The same on eight threads, whose allocations come in any order, and which do without some. */
+/* Eight threads: allocations that fail, memory limits, and callers that cancel.  The order of allocations differs
+   from run to run, and a call may succeed without one of them. */
 static void fail_on_threads(void)
 {
     static shape s;
@@ -820,16 +829,9 @@ static void fail_on_threads(void)
     size_t peak;
     memset(&s, 0, sizeof s);
     memset(&how, 0, sizeof how);
-    memset(&options, 0, sizeof options);
     add_sphere(&s, 1, 0.7);
     how.alpha = 0.3;
-    options.threads = 8;
-    options.resize = meter_resize;
-    options.resize_user = &m;
-    options.progress = watch_progress;
-    options.progress_user = &eye;
-    meter_start(&m, 0, 0);
-    watch_start(&eye, 0);
+    options = watched(8, &m, &eye);
     hash = hash_wrap(&s.in, &how, &options);
     requests = m.requests;
     peak = m.peak;

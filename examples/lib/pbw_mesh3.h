@@ -555,7 +555,7 @@ static pbw_status pbwm3__make_surface(pbwm3__work *w, const double *points, size
 {
     pbw_status status = pbw_surface_create(points, point_count, triangles, triangle_count, pbwm3__inner_options(w),
                                            surface);
-    status = status == PBW_OK && w->open ? pbwsf__find_rim(surface, &w->options) : status;
+    status = status == PBW_OK && w->open ? pbwsf__find_open(surface, &w->options) : status;
     w->memory.used += pbwsf__bytes(surface);
     return status;
 }

@@ -230,8 +230,8 @@ typedef struct pbwsf__tree {
     PBW_ARRAY(pbw_index) order;
     PBW_ARRAY(pbwsf__box) boxes;
     size_t first_leaf, nodes;
-    pbwsf__pairs rim;                      /* see pbwsf__find_rim */
-    int has_rim;
+    pbwsf__pairs open;                     /* its open edges, from pbwsf__find_open */
+    int has_open;                          /* 1: they are listed */
 } pbwsf__tree;
 
 static const double *pbwsf__corner(const pbw_surface *s, pbw_index triangle, int k)
@@ -477,7 +477,7 @@ PBWDEF void pbw_surface_free(pbw_surface *surface)
         pbw_memory memory = tree->memory;
         PBW_RELEASE(&memory, tree->order);
         PBW_RELEASE(&memory, tree->boxes);
-        PBW_RELEASE(&memory, tree->rim);
+        PBW_RELEASE(&memory, tree->open);
         (void)pbw_memory_resize(&memory, tree, 1, 0, sizeof *tree);
     }
     if (surface != NULL) {
@@ -828,11 +828,12 @@ static double pbwsf__angle(const pbw_surface *s, pbw_index triangle, const doubl
                  + pbwsf__dot(c, a) * lb) / 6.283185307179586;
 }
 
-enum { PBWSF__RIM = 512 };                 /* so many edges take about as long as dipoles do on scans */
+enum { PBWSF__OPEN = 512 };                /* so many edges take about as long as dipoles do on scans */
 
-/* Lists the rim: the edges that more triangles have one way round than the other, once for each triangle more.  A
-   winding number is then exact but for rounding, and asks the tree for one ray.  A rim that is long is left out. */
-PBWSF__SHARED static pbw_status pbwsf__find_rim(pbw_surface *surface, const pbw_options *options)
+/* Lists the open edges, unless they are more than PBWSF__OPEN: those that more triangles have one way round than the
+   other, once for each triangle more.  Winding numbers then take one ray and a sum over these edges, and are exact
+   but for rounding. */
+PBWSF__SHARED static pbw_status pbwsf__find_open(pbw_surface *surface, const pbw_options *options)
 {
     pbwsf__tree *tree = (pbwsf__tree *)surface->memory;
     const size_t sides = 3 * surface->triangle_count;
@@ -846,7 +847,7 @@ PBWSF__SHARED static pbw_status pbwsf__find_rim(pbw_surface *surface, const pbw_
         return PBW_OK;
     }
     if (PBW_FIT(&tree->memory, keys, sides + 1) && PBW_FIT(&tree->memory, order, sides + 1)
-        && PBW_FIT(&tree->memory, tree->rim, PBWSF__RIM)) {
+        && PBW_FIT(&tree->memory, tree->open, PBWSF__OPEN)) {
         for (i = 0; i < sides; i++) {
             const pbw_index a = c[i], b = c[i % 3 == 2 ? i - 2 : i + 1];
             keys.at[i] = (uint64_t)(a < b ? a : b) << 32 | (a < b ? b : a);
@@ -854,18 +855,18 @@ PBWSF__SHARED static pbw_status pbwsf__find_rim(pbw_surface *surface, const pbw_
         own.memory_limit = pbw_memory_left(&tree->memory);
         status = pbw_sort(keys.at, sides, &own, order.at);
     }
-    tree->has_rim = status == PBW_OK;
-    for (i = 0; i < sides && tree->has_rim; ) {
+    tree->has_open = status == PBW_OK;
+    for (i = 0; i < sides && tree->has_open; ) {
         const uint64_t key = keys.at[order.at[i]];
         const pbw_index low = (pbw_index)(key >> 32), high = (pbw_index)(key & 0xffffffffu);
         long more = 0;                               /* triangles with the edge from low to high, less the others */
         for (; i < sides && keys.at[order.at[i]] == key; i++) {
             more += c[order.at[i]] == low ? 1 : -1;
         }
-        for (k = (size_t)labs(more); k > 0 && tree->has_rim && low != high; k--) {
-            tree->has_rim = tree->rim.count < PBWSF__RIM;
-            if (tree->has_rim) {
-                pbw_index *edge = tree->rim.at[tree->rim.count++];
+        for (k = (size_t)labs(more); k > 0 && tree->has_open && low != high; k--) {
+            tree->has_open = tree->open.count < PBWSF__OPEN;
+            if (tree->has_open) {
+                pbw_index *edge = tree->open.at[tree->open.count++];
                 edge[more < 0] = low;
                 edge[more > 0] = high;
             }
@@ -888,9 +889,10 @@ static void pbwsf__look_down(const double *a, const double *p, double u[3])
     u[2] = u[2] > 0 ? square / (length + u[2]) : length - u[2];        /* alike but for rounding */
 }
 
-/* The solid angle by 4 pi of the triangle from p's direction straight down to a and b: as pbwsf__angle, whose tangent
-   is here -(A x B) / (1 + A B) for the places A and B on the plane.  It jumps by a full turn where the line from a to
-   b passes above p, which the exact side decides, as it does in pbw_surface_turns. */
+/* Returns the solid angle, divided by 4 pi, that p sees of a triangle: its corners are a, b, and a point infinitely
+   far below p.  pbwsf__look_down gives the places A and B of a and b; then the tangent of half of the angle is
+   -(A x B) / (1 + A B).  The angle jumps by a full turn where the line from a to b passes above p: the exact side
+   decides on which side of it p is, as in pbw_surface_turns. */
 static double pbwsf__angle_down(const double *a, const double *b, const double *p)
 {
     double u[3], v[3];
@@ -913,11 +915,11 @@ PBWDEF double pbw_surface_winding(const pbw_surface *surface, const double p[3])
     tree = (const pbwsf__tree *)surface->memory;
     box = tree->boxes.at;
     order = tree->order.at;
-    if (tree->has_rim) {                   /* what hangs down from it closes the surface; no ray upwards meets that */
+    if (tree->has_open) {                  /* walls below open edges close the surface; no ray upwards meets them */
         sum = (double)pbw_surface_turns(surface, p);
-        for (k = 0; k < tree->rim.count; k++) {
-            sum += pbwsf__angle_down(surface->points + 3 * (size_t)tree->rim.at[k][0],
-                                    surface->points + 3 * (size_t)tree->rim.at[k][1], p);
+        for (k = 0; k < tree->open.count; k++) {
+            sum += pbwsf__angle_down(surface->points + 3 * (size_t)tree->open.at[k][0],
+                                    surface->points + 3 * (size_t)tree->open.at[k][1], p);
         }
         return sum;
     }
@@ -974,7 +976,8 @@ typedef struct pbwsf__node {
 
 typedef struct pbwsf__slab {               /* of the triangles of a leaf */
     float low[3][PBWSF__LEAF], high[3][PBWSF__LEAF];
-    pbw_index proof[3][PBWSF__LEAF];       /* corners whose stars are a proof, or PBW_NONE: see pbwsf__settle_range */
+    pbw_index proven[3][PBWSF__LEAF];      /* corners whose triangles do not cross each other, by the star's signs;
+                                              PBW_NONE: signs do not prove it */
 } pbwsf__slab;
 
 typedef struct pbwsf__search {
@@ -1627,7 +1630,7 @@ static int pbwsf__test_pair(const pbwsf__search *s, size_t i, size_t k, pbwsf__k
         || PBW_PUSH(s->memory, *pairs, t.id < u.id ? (uint64_t)t.id << 32 | u.id : (uint64_t)u.id << 32 | t.id);
 }
 
-/* Tests the triangles of two leaves against each other, or of one, but for those with a proof in common. */
+/* Tests the triangles of two leaves against each other, or of one, but for those with a proven corner in common. */
 static int pbwsf__test_leaves(const pbwsf__search *s, size_t a, size_t b, pbwsf__keys *pairs)
 {
     const pbwsf__slab *p = s->slabs.at + a, *q = s->slabs.at + b;
@@ -1640,10 +1643,10 @@ static int pbwsf__test_leaves(const pbwsf__search *s, size_t a, size_t b, pbwsf_
                      & (p->low[2][i] <= q->high[2][k]) & (p->high[2][i] >= q->low[2][k]);
         }
         for (j = 0; j < 3; j++) {
-            const pbw_index c = p->proof[j][i];
+            const pbw_index c = p->proven[j][i];
             for (k = 0; k < PBWSF__LEAF; k++) {
                 meets[k] &= (c == PBW_NONE)
-                          | ((q->proof[0][k] != c) & (q->proof[1][k] != c) & (q->proof[2][k] != c));
+                          | ((q->proven[0][k] != c) & (q->proven[1][k] != c) & (q->proven[2][k] != c));
             }
         }
         for (k = 0; k < PBWSF__LEAF; k++) {
@@ -1657,8 +1660,8 @@ static int pbwsf__test_leaves(const pbwsf__search *s, size_t a, size_t b, pbwsf_
     return good;
 }
 
-/* Tests the triangles below a node against each other and those of later leaves: pairs of nodes whose boxes meet are
-   replaced by those of their children, down to leaves. */
+/* Tests the triangles below a node against each other, and against those of later leaves.  It takes pairs of nodes
+   from a stack: if their boxes meet, it puts the pairs of their children there, and it tests pairs of leaves. */
 static int pbwsf__test_node(const pbwsf__search *s, size_t node, pbwsf__keys *pairs)
 {
     size_t stack[4 * PBWSF__DEPTH][2], i, k;
@@ -1838,7 +1841,7 @@ static pbw_status pbwsf__star_range(void *arg, size_t from, size_t to)
     return PBW_OK;
 }
 
-/* Of each star keeps signs only if they are a proof; then its triangles need no test against each other. */
+/* Keeps a star's signs only if they prove that its triangles do not cross each other. */
 static pbw_status pbwsf__settle_range(void *arg, size_t from, size_t to)
 {
     pbwsf__search *s = (pbwsf__search *)arg;
@@ -1971,7 +1974,7 @@ static pbw_status pbwsf__leaf_range(void *arg, size_t from, size_t to)
                 const pbw_index c = i < end ? s->corners.at[3 * i + k] : PBW_NONE;
                 slab->low[k][i - first] = pbwsf__float_of(own.low[k]);
                 slab->high[k][i - first] = pbwsf__float_of(own.high[k]);
-                slab->proof[k][i - first] = i < end && s->stars.at[c].signs ? c : PBW_NONE;
+                slab->proven[k][i - first] = i < end && s->stars.at[c].signs ? c : PBW_NONE;
             }
         }
     }
@@ -2267,7 +2270,7 @@ PBWDEF void pbw_surface_faults_free(pbw_surface_faults *faults)
      pbwsf__tree        wrap                                tree
      pbwsf__box_meets   wrap                                queries
      pbwsf__closest     mesh3                               queries
-     pbwsf__find_rim    mesh3                               queries
+     pbwsf__find_open   mesh3                               queries
      pbwsf__is_near     mesh3 wrap                          queries
      pbwsf__nearest_in  mesh3 wrap                          queries
      pbwsf__ray         mesh3                               queries
