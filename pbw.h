@@ -2059,6 +2059,38 @@ PBW__INLINE size_t pbw__share(size_t count, int i, int tasks)
     return count / (size_t)tasks * (size_t)i + count % (size_t)tasks * (size_t)i / (size_t)tasks;
 }
 
+/* ---- bytes by many threads; completes even if the call is cancelled */
+typedef struct pbw__setting {
+    unsigned char *start;
+    const unsigned char *source;                     /* NULL: all become `value` */
+    size_t bytes;
+    int value, tasks;
+} pbw__setting;
+
+static void pbw__set_share(void *arg, int task)
+{
+    const pbw__setting *setting = (const pbw__setting *)arg;
+    const size_t from = pbw__share(setting->bytes, task, setting->tasks);
+    const size_t bytes = pbw__share(setting->bytes, task + 1, setting->tasks) - from;
+    if (setting->source != NULL) {
+        memcpy(setting->start + from, setting->source + from, bytes);
+    } else {
+        memset(setting->start + from, setting->value, bytes);
+    }
+}
+
+static void pbw__set_or_copy(pbw__context *context, void *start, const void *source, int value, size_t bytes)
+{
+    pbw__setting setting = { (unsigned char *)start, (const unsigned char *)source, bytes, value, 1 };
+    setting.tasks = pbw__tasks(context, bytes, 65536);
+    pbw__for(context, setting.tasks, pbw__set_share, &setting);
+}
+
+static void pbw__set_bytes(pbw__context *context, void *start, int value, size_t bytes)
+{
+    pbw__set_or_copy(context, start, NULL, value, bytes);
+}
+
 /* body(arg, from, to) for each range of `grain` items.  Threads take ranges in ascending order, so all ranges below
    one that fails have begun before it, and the lowest failure does not depend on the threads. */
 typedef struct pbw__ranges {
@@ -4542,7 +4574,7 @@ static PBW__NOINLINE pbw_status pbw__store_reserve(pbw__context *context, pbw__s
     block[2] = pbw__block_of(store->mark, old, needed);
     pbw__populate(context, block, 3);
     if (!store->plain && needed > old) {
-        memset(store->mark + old, 0, needed - old);
+        pbw__set_bytes(context, store->mark + old, 0, needed - old);
     }
     store->capacity = needed;
     return PBW_OK;
@@ -8590,7 +8622,7 @@ static pbw_index *pbw__make_incident(pbw__context *context, pbw__owned *owned, p
     mesh->incident = incident;
     owned->incident = block != NULL ? 0 : mesh->point_count;
     if (incident != NULL && none) {
-        memset(incident, 0xff, mesh->point_count * sizeof(pbw_index));
+        pbw__set_bytes(context, incident, 0xff, mesh->point_count * sizeof(pbw_index));
     }
     return incident;
 }
@@ -9159,7 +9191,8 @@ PBWDEF pbw_status pbw_order(int dim, const double *points, size_t count, const p
      pbw__tasks                                                                         check live       threads
      pbw__begin_call pbw__end_call                                                      check query      threads
      pbw__enter_stage pbw__for_range pbw__report PBW__TICK                              check query live threads
-     pbw__context_start pbw__for pbw__share pbw__team_stop                              live             threads
+     pbw__context_start pbw__for pbw__set_bytes pbw__set_or_copy pbw__share             live             threads
+     pbw__team_stop                                                                     live             threads
      PBW__SMALLER                                                                       query live       threads
      PBW__TEST_PAUSE                                                                    live             threads
      pbw__digit PBW__POOL                                                               check query      exact
@@ -9193,7 +9226,7 @@ PBWDEF pbw_status pbw_order(int dim, const double *points, size_t count, const p
      pbw__exit pbw__point4 pbw__point4_of pbw__rows4 pbw__rows4_of pbw__walk_start      live             walk
      pbw__dot4                                                                          live             cavity3
      pbw__build_all pbw__kernel_create pbw__scratch_create                              live             build
-     pbw__is_ours pbw__owns_zone                                                        live             parallel
+     pbw__is_ours pbw__owns                                                             live             parallel
      pbw__canonical_order pbw__emission PBW__SOON                                       live             number
      pbw__emission_start pbw__emit_all pbw__make_incident pbw__output pbw__owned        live             output
      pbw__has_arrays PBW__SEAM_BEGIN PBW__SEAM_END                                      check query live seam

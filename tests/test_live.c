@@ -1054,6 +1054,62 @@ static void test_packed(int threads)
 #endif
 
 /* ---- the interface */
+#ifdef PBW_LIVE_IMPLEMENTATION                          /* in test_live_local.c */
+/* Simplices made by the thread of the calls, alone, and by tasks. */
+static size_t made_alone(const pbw_live *live)
+{
+    return live->core.kernel.statistics.created;
+}
+
+static size_t made_by_tasks(const pbw_live *live)
+{
+    size_t made = 0, i;
+    for (i = 0; i < live->core.tasks; i++) {
+        made += live->core.task[i]->kernel.statistics.created;
+    }
+    return made;
+}
+
+/* Points that come and go at the same places: walks must not start from vertices that went, else tasks find no start,
+   and one thread makes all changes. */
+static void test_come_and_go(int dim)
+{
+    enum { POINTS = 6000, BATCH = 2000 };
+    static double points[3 * POINTS], more[3 * BATCH];
+    static pbw_index ids[BATCH];
+    pbw_options options;
+    pbw_mesh mesh;
+    pbw_live *live;
+    size_t alone = 0, together = 0;
+    int turn;
+    if (!test_begin("points come and go, %dD: tasks make most changes", dim)) {
+        return;
+    }
+    memset(&options, 0, sizeof options);
+    options.threads = 3;
+    verify_at = 1e9;
+    input_fill(INPUT_UNIFORM, dim, POINTS, 1, points);
+    input_fill(INPUT_UNIFORM, dim, BATCH, 2, more);
+    CHECK_EQUAL(pbw_triangulate(dim, points, NULL, POINTS, &options, &mesh), PBW_OK);
+    CHECK_EQUAL(pbw_live_create(&mesh, &options, &live), PBW_OK);
+    for (turn = 0; turn < 4; turn++) {
+        alone = made_alone(live);
+        together = made_by_tasks(live);
+        CHECK_EQUAL(pbw_live_insert(live, more, NULL, BATCH, ids), PBW_OK);
+        CHECK_EQUAL(pbw_live_commit(live, NULL), PBW_OK);
+        alone = made_alone(live) - alone;
+        together = made_by_tasks(live) - together;
+        CHECK(alone < together / 2);
+        CHECK_EQUAL(pbw_live_remove(live, ids, BATCH), PBW_OK);
+        CHECK_EQUAL(pbw_live_commit(live, NULL), PBW_OK);
+    }
+    test_say("%zu simplices by one thread, %zu by tasks", alone, together);
+    pbw_live_free(live);
+    pbw_free(&mesh);
+    test_end();
+}
+#endif
+
 static void test_misuse(void)
 {
     const double square[8] = { 0, 0, 1, 0, 0, 1, 1, 1 };
@@ -1128,6 +1184,10 @@ int main(int argc, char **argv)
     test_depths();
     test_packed(1);
     test_packed(3);
+#endif
+#ifdef PBW_LIVE_IMPLEMENTATION
+    test_come_and_go(2);
+    test_come_and_go(3);
 #endif
     test_misuse();
     return test_finish();

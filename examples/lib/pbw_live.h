@@ -226,13 +226,14 @@ typedef struct pbwl__core {
     pbw_index *next_hidden, *next_container;         /* hidden and container after the commit */
     pbw_index *start;                                /* per cell of a grid: a vertex that is or was there; 0: none */
     double start_low[3], start_scale[3];
-    size_t start_side, searched;                     /* cells along an axis; walks so far, see pbwl__start_table */
+    size_t start_side, searched;                     /* cells along an axis; walks since, see pbwl__start_table */
     size_t record_capacity, name_capacity, incident_capacity, link_index_capacity, neighbor_capacity, vertex_capacity;
     size_t twin_capacity, start_capacity, place_capacity, unused_capacity, hidden_capacity, container_capacity;
     size_t next_hidden_capacity, next_container_capacity, touched_capacity;
     size_t vertex_count, unused_count, hidden_count, next_hidden_count, placed, duplicate_count, saved_simplices;
     unsigned char *touched;                          /* per slot: 1 if it is in a journal */
     int sorted;                                      /* the vertices are in the order of a build of them */
+    int crowded;                                     /* batches of which tasks put many changes off */
     struct pbwl__core **task;                        /* >>tasks */
     size_t task_capacity, tasks;
     /* owned by one thread from here on */
@@ -308,7 +309,7 @@ PBW__INLINE const double *pbwl__core_record(const pbwl__core *core, pbw_index v)
 /* Returns whether this task owns a vertex, claiming it if it is free; always if there are no tasks.  See >>tasks. */
 PBW__INLINE int pbwl__hold(pbw__kernel *kernel, pbw_index v)
 {
-    return kernel->own.owner == NULL || v == PBW__GHOST || pbw__owns_zone(kernel, v);
+    return kernel->own.owner == NULL || v == PBW__GHOST || pbw__owns(kernel, v);
 }
 
 PBW__INLINE int pbwl__hold_corners(pbw__kernel *kernel, size_t t)
@@ -366,38 +367,7 @@ PBW__INLINE unsigned pbwl__facets_fit(const pbw_index *t, unsigned k, const pbw_
                                  | ((a[0] == b[2]) & (a[1] == b[1]) & (a[2] == b[0])));
 }
 
-/* ---- arrays by many threads; completes even if the call is cancelled */
-typedef struct pbwl__setting {
-    unsigned char *start;
-    const unsigned char *source;                     /* NULL: all become `value` */
-    size_t bytes;
-    int value, tasks;
-} pbwl__setting;
-
-static void pbwl__set_share(void *arg, int task)
-{
-    const pbwl__setting *setting = (const pbwl__setting *)arg;
-    const size_t from = pbw__share(setting->bytes, task, setting->tasks);
-    const size_t bytes = pbw__share(setting->bytes, task + 1, setting->tasks) - from;
-    if (setting->source != NULL) {
-        memcpy(setting->start + from, setting->source + from, bytes);
-    } else {
-        memset(setting->start + from, setting->value, bytes);
-    }
-}
-
-static void pbwl__set_or_copy(pbw__context *context, void *start, const void *source, int value, size_t bytes)
-{
-    pbwl__setting setting = { (unsigned char *)start, (const unsigned char *)source, bytes, value, 1 };
-    setting.tasks = pbw__tasks(context, bytes, 262144);
-    pbw__for(context, setting.tasks, pbwl__set_share, &setting);
-}
-
-static void pbwl__set_bytes(pbw__context *context, void *start, int value, size_t bytes)
-{
-    pbwl__set_or_copy(context, start, NULL, value, bytes);
-}
-
+/* ---- arrays by many threads */
 /* pbw_memory_grow for arrays of all vertices: if there is room for both, all threads copy the old one. */
 static int pbwl__grow_shared(pbw__context *context, void *array, size_t *capacity, size_t needed, size_t size)
 {
@@ -410,7 +380,7 @@ static int pbwl__grow_shared(pbw__context *context, void *array, size_t *capacit
         return pbw_memory_grow(&context->memory, array, capacity, needed, 0, size);
     }
     memcpy(&old, array, sizeof(old));
-    pbwl__set_or_copy(context, block, old, 0, *capacity * size);
+    pbw__set_or_copy(context, block, old, 0, *capacity * size);
     pbw__release(&context->memory, old, *capacity, size);
     memcpy(array, &block, sizeof(block));
     *capacity = wanted;
@@ -477,7 +447,7 @@ static int pbwl__journal_reserve(pbwl__core *core)
     if (!PBWL__CORE_GROW(core, touched, core->store.capacity)) {
         return 0;
     }
-    pbwl__set_bytes(core->kernel.context, core->touched + old, 0, core->touched_capacity - old);
+    pbw__set_bytes(core->kernel.context, core->touched + old, 0, core->touched_capacity - old);
     return 1;
 }
 
@@ -1820,7 +1790,7 @@ static pbw_status pbwl__core_scan(pbwl__core *core)
 {
     pbw__kernel *kernel = &core->kernel;
     pbw_index v, container;
-    pbwl__set_bytes(kernel->context, core->incident, 0xff,           /* PBW_NONE */
+    pbw__set_bytes(kernel->context, core->incident, 0xff,           /* PBW_NONE */
                     core->incident_capacity * sizeof(pbw_index));
     pbwl__scan_slots(core, 1);
     if (!pbwl__journal_reserve(core)) {
@@ -1897,7 +1867,7 @@ static int pbwl__core_reserve(pbwl__core *core, size_t records, size_t numbers)
     if (core->incident == NULL || core->link_index == NULL || core->vertex == NULL || core->twin == NULL) {
         return 0;
     }
-    pbwl__set_bytes(context, core->link_index, 0, records * sizeof(pbw_index));
+    pbw__set_bytes(context, core->link_index, 0, records * sizeof(pbw_index));
     return 1;
 }
 
@@ -1966,7 +1936,7 @@ static pbw_status pbwl__core_pack(pbw__context *context, pbwl__core *core, pbw__
     if (!PBW__RESIZE(memory, store, mark, store->capacity)) {
         return PBW_ERROR_MEMORY;
     }
-    pbwl__set_bytes(context, store->mark, 0, store->capacity);
+    pbw__set_bytes(context, store->mark, 0, store->capacity);
     return status;
 }
 
@@ -2462,8 +2432,9 @@ static pbw_status pbwl__verify_windows(pbwl__verifying *verifying)
         return PBW_ERROR_MEMORY;
     }
     for (verifying->from = 0; verifying->from < count && status == PBW_OK; verifying->from = verifying->to) {
-        const size_t rest = count - verifying->from, wanted = verifying->from == 0 ? least : most;
-        const size_t length = rest < wanted ? rest : wanted;         /* short: most failures are there */
+        const size_t rest = count - verifying->from, before = verifying->from > least ? verifying->from : least;
+        const size_t wanted = before < most ? before : most;       /* what fails mostly does so soon */
+        const size_t length = rest < wanted ? rest : wanted;
         const double done = 0.5 * (double)verifying->from / (double)count;
         verifying->to = verifying->from + length;
         status = pbw__for_range(context, length, 4096, done, pbwl__verify_depths, verifying);
@@ -2667,7 +2638,7 @@ static pbw_status pbwl__verify(pbwl__core *core, size_t most)
                : pbw__for_range(context, core->store.count, 16384, 1.0, pbwl__cover_range, &verifying);
     }
     if (status != PBW_OK) {
-        memset(core->kernel.mark, 0, core->store.count);
+        pbw__set_bytes(context, core->kernel.mark, 0, core->store.count);
     }
     return status == PBW_OK && verifying.covers != 1 ? PBWL__REBUILD : status;
 }
@@ -3469,22 +3440,24 @@ static pbw_status pbwl__start_fill(void *arg, size_t from, size_t to)
     return PBW_OK;
 }
 
-/* Makes the table once there have been enough walks to pay for it. */
-static void pbwl__start_table(pbwl__core *core, size_t walks)
+/* Makes the table once there have been enough walks to pay for it, at once if there are `tasks`; and makes it again
+   after as many walks as there are vertices: these may have moved, and be more. */
+static void pbwl__start_table(pbwl__core *core, size_t walks, int tasks)
 {
     const size_t cells = core->vertex_count / 2 + 1;
     size_t side = 1, all;
     int k;
     core->searched += walks;
-    if (core->start != NULL || core->searched < cells / 64) {
+    if (core->searched < (core->start != NULL ? core->vertex_count : tasks ? 0 : cells / 64)) {
         return;
     }
+    core->searched = 0;
     while ((side + 1) * (side + 1) * (core->kernel.dim == 3 ? side + 1 : 1) <= cells) {
         side++;
     }
     all = side * side * (core->kernel.dim == 3 ? side : 1);
     if (!PBWL__CORE_GROW(core, start, all)) {
-        return;                                      /* walks start without it */
+        return;                                      /* walks start as before */
     }
     core->start_side = side;
     for (k = 0; k < core->kernel.dim; k++) {
@@ -3492,8 +3465,17 @@ static void pbwl__start_table(pbwl__core *core, size_t walks)
         core->start_low[k] = core->low[k];
         core->start_scale[k] = scale > 0.0 && scale <= DBL_MAX ? scale : 0.0;
     }
-    memset(core->start, 0, core->start_capacity * sizeof(pbw_index));
+    pbw__set_bytes(core->kernel.context, core->start, 0, core->start_capacity * sizeof(pbw_index));
     (void)pbw__for_range(core->kernel.context, core->vertex_count, 16384, 0.0, pbwl__start_fill, core);
+}
+
+/* Lets walks that would start from v, which was just removed, start from a vertex of its link. */
+PBW__INLINE void pbwl__start_leave(const pbwl__core *core, pbw_index v)
+{
+    pbw_index *start = core->start + pbwl__start_cell(core, pbwl__core_record(core, v));
+    if (PBW__LOAD(start) == v) {
+        PBW__STORE(start, core->link_vertex[core->link_vertices - 1]);
+    }
 }
 
 /* Prefetches, step by step: (0) a simplex of v; (1) its vertices and its neighbours at v; (2) the vertices of these
@@ -3563,9 +3545,9 @@ PBW__INLINE pbw_index pbwl__nearer_start(pbwl__core *core, pbw_index a, pbw_inde
 
    A task takes blocks of changes, which are neighbours on the curve, and works in small groups: it claims a vertex
    near each change, prefetches the stars of these, then makes the changes.  For each change it claims the vertices
-   that it needs, as in >>parallel, but a zone is one vertex here.  After each group it releases all of them.  A
-   change that needs a vertex of another task is put off to the end of the task, then to the next round.  One thread
-   makes the last ones.
+   that it needs, with all of their zones, as in >>parallel.  After each group it releases all of them.  A change that
+   needs a vertex of another task is put off to the end of the task, then to the next round.  One thread makes the
+   last ones.
 
    No data races: the rule is stricter than in >>parallel.  Only a task that owns all finite vertices of a simplex
    deletes it.  So
@@ -3580,6 +3562,7 @@ PBW__INLINE pbw_index pbwl__nearer_start(pbwl__core *core, pbw_index a, pbw_inde
    The ghost has no owner: the task that owns the other vertices of a ghost simplex deletes it.
    ------------------------------------------------------------------------------------------------------ */
 #define PBWL__GROUP 8                                /* changes that are claimed and prefetched together */
+#define PBWL__ZONE_BITS 4                            /* zones of so many vertices, 2^n, to begin with */
 #define PBWL__LEAST_CHANGES 256                      /* in the first round a task must have so many to pay off, */
 #define PBWL__LEAST_LEFT 64                          /* in later ones, where the threads run already, so many */
 
@@ -3597,7 +3580,8 @@ typedef struct pbwl__changing {
     const pbw_index *which;                          /* the changes of this round; NULL: all */
     size_t round_count, grain, next;
     int parts, stop;
-    uint8_t *owner;                                  /* of each vertex: nobody between rounds */
+    uint8_t *owner;                                  /* of each zone: nobody between rounds */
+    int zone_bits;
 } pbwl__changing;
 
 /* Makes a group of changes; those that cannot be made now go to kernel.left. */
@@ -3743,7 +3727,8 @@ static void pbwl__task_begin(const pbwl__changing *batch, int part)
     kernel->status = PBW_OK;
     kernel->own.owner = batch->owner;
     kernel->own.me = (uint8_t)part;
-    kernel->own.owner_bits = kernel->own.claim_count = 0;
+    kernel->own.owner_bits = batch->zone_bits;
+    kernel->own.claim_count = 0;
     kernel->slots.no_room = 0;
     task->simplex_count = task->effort = task->reinserted = task->untested_count = 0;
 }
@@ -3864,35 +3849,50 @@ static int pbwl__batch_parts(const pbwl__core *core, size_t count, size_t least)
     return core->kernel.weighted ? 1 : (int)(most < parts ? most : parts);
 }
 
+/* Returns the bits of zones.  Large ones take fewer claims, but tasks meet more often: at once where there are few
+   zones for each, in time where vertices of one zone are far from each other, as those of many small batches are. */
+static int pbwl__zone_bits(const pbwl__core *core, int parts)
+{
+    int bits = core->crowded < PBWL__ZONE_BITS ? PBWL__ZONE_BITS - core->crowded : 0;
+    while (bits > 0 && core->vertex_count >> bits < PBW__SMALLER(1024) * (size_t)parts) {
+        bits--;
+    }
+    return bits;
+}
+
 /* Makes all changes of a batch, or if `again` those in kernel.left, which then has those that are left: none, unless
    they cannot be made, or all but the first round is for another change. */
 static pbw_status pbwl__batch_all(pbwl__core *core, pbwl__changing *batch, int again)
 {
     pbw__kernel *kernel = &core->kernel;
     pbw_status status = PBW_OK;
-    const size_t vertices = core->vertex_count + 1;
-    size_t before, needed, part, rounds = 0;
+    size_t before, needed, part, zones = 0, rounds = 0;
     batch->core = core;
     batch->stop = 0;
     batch->which = again ? kernel->left : NULL;
     batch->round_count = again ? kernel->left_count : batch->count;
     batch->parts = pbwl__batch_parts(core, batch->round_count, again ? PBWL__LEAST_LEFT : PBWL__LEAST_CHANGES);
-    batch->owner = batch->parts > 1 ? (uint8_t *)pbw__allocate(&kernel->context->memory, vertices, 1) : NULL;
-    if (batch->owner != NULL) {
-        pbwl__set_bytes(kernel->context, batch->owner, PBW__NOBODY, vertices);
-    } else if (batch->parts > 1) {
-        return PBW_ERROR_MEMORY;
+    batch->owner = NULL;
+    if (batch->parts > 1) {
+        batch->zone_bits = pbwl__zone_bits(core, batch->parts);
+        zones = (core->vertex_count >> batch->zone_bits) + 1;
+        batch->owner = (uint8_t *)pbw__allocate(&kernel->context->memory, zones, 1);
+        if (batch->owner == NULL) {
+            return PBW_ERROR_MEMORY;
+        }
+        pbw__set_bytes(kernel->context, batch->owner, PBW__NOBODY, zones);
     }
     while (batch->parts > 1 && status == PBW_OK) {
         before = batch->round_count;
         status = pbwl__batch_round(batch);
         batch->which = kernel->left;
         batch->round_count = kernel->left_count;
+        core->crowded += rounds == 0 && 8 * batch->round_count > before;
         batch->parts = batch->once || 4 * batch->round_count >= 3 * before ? 1
                      : pbwl__batch_parts(core, batch->round_count, PBWL__LEAST_LEFT);
         rounds++;
     }
-    pbw__release(&kernel->context->memory, batch->owner, batch->owner != NULL ? vertices : 0, 1);
+    pbw__release(&kernel->context->memory, batch->owner, zones, 1);
     if (batch->once && rounds > 0) {
         return status;
     }
@@ -3958,12 +3958,6 @@ PBW__INLINE pbw_index pbwl__place_enter(pbwl__core *core, const double *x, pbw_i
     return (pbw_index)at;
 }
 
-static pbw_status pbwl__place_clear(void *arg, size_t from, size_t to)
-{
-    memset((pbw_index *)arg + from, 0, (to - from) * sizeof(pbw_index));
-    return PBW_OK;
-}
-
 static pbw_status pbwl__place_fill(void *arg, size_t from, size_t to)
 {
     pbwl__core *core = (pbwl__core *)arg;
@@ -4000,9 +3994,8 @@ static pbw_status pbwl__place_reserve(pbw_live *live, size_t more)
         return PBW_ERROR_MEMORY;
     }
     core->place_capacity = size;
-    status = pbw__for_range(context, size, 65536, 0.0, pbwl__place_clear, core->place);
-    status = status == PBW_OK ? pbw__for_range(context, core->vertex_count, 4096, 0.0, pbwl__place_fill, core)
-                              : status;
+    pbw__set_bytes(context, core->place, 0, size * sizeof(pbw_index));
+    status = pbw__for_range(context, core->vertex_count, 4096, 0.0, pbwl__place_fill, core);
     if (status != PBW_OK) {
         PBW__RELEASE(&context->memory, core, place);
         core->place = NULL;
@@ -4380,7 +4373,7 @@ static int pbwl__edits(pbw_live *live, size_t count)
         return 0;
     }
     if (count > 0) {                                 /* PBW_NONE in all members */
-        pbwl__set_bytes(live->core.kernel.context, live->edit + live->edit_count, 0xff, count * sizeof(pbwl__edit));
+        pbw__set_bytes(live->core.kernel.context, live->edit + live->edit_count, 0xff, count * sizeof(pbwl__edit));
     }
     live->edit_count += count;
     return 1;
@@ -4559,6 +4552,9 @@ static pbw_status pbwl__change_leaving(void *arg, pbwl__core *core, size_t i, pb
         return PBW_OK;
     }
     status = status == PBW_OK ? pbwl__remove_vertex(core, v) : status;
+    if (status == PBW_OK && core->start != NULL) {
+        pbwl__start_leave(core, v);
+    }
     if (status == PBW_OK && other != v && pbwl__hold(&core->kernel, other)
         && core->incident[other] == PBWL__VERTEX_PENDING) {
         core->neighbor[other] = core->link_vertex[core->link_vertices - 1];
@@ -4626,8 +4622,8 @@ static pbw_status pbwl__batch_run(pbw_live *live, size_t most_effort)
             core->next_container[core->next_hidden_count++] = core->container[i];
         }
     }
-    pbwl__start_table(core, pbwl__batch_parts(core, live->arriving_count, PBWL__LEAST_CHANGES) > 1
-                            ? core->vertex_count : live->arriving_count);
+    pbwl__start_table(core, live->arriving_count,
+                      pbwl__batch_parts(core, live->arriving_count, PBWL__LEAST_CHANGES) > 1);
     batch.count = live->arriving_count;
     batch.near = pbwl__near_arriving;
     batch.change = pbwl__change_arriving;
@@ -5143,7 +5139,8 @@ static void pbwl__settle(pbw_live *live)
 #ifndef PBWL__VERIFY_AT
 #define PBWL__VERIFY_AT(dim) 0.1
 #endif
-#define PBWL__EFFORT 128                             /* so many tests for an apex take as long as an insertion */
+#define PBWL__EFFORT(dim) ((dim) == 3 ? 128 : 32)    /* so many tests for an apex take as long as a point of a
+                                                        rebuild */
 
 static double pbwl__change_cost(int dim, size_t leave, size_t arrive, int near)
 {
@@ -5249,7 +5246,7 @@ static pbw_status pbwl__choose(pbw_live *live, pbw__context *context, int in_pla
                                pbw_way *way)
 {
     const double points = (double)live->points;
-    const size_t most = PBWL__EFFORT * (live->points + 100);
+    const size_t most = PBWL__EFFORT(live->dim) * (live->points + 100);
     pbwl__classes classes = { live, 0, 0 };
     size_t leave, arrive;
     int near;
