@@ -9226,7 +9226,7 @@ PBWDEF pbw_status pbw_order(int dim, const double *points, size_t count, const p
      pbw__exit pbw__point4 pbw__point4_of pbw__rows4 pbw__rows4_of pbw__walk_start      live             walk
      pbw__dot4                                                                          live             cavity3
      pbw__build_all pbw__kernel_create pbw__scratch_create                              live             build
-     pbw__is_ours pbw__owns                                                             live             parallel
+     pbw__is_ours pbw__owns_zone                                                        live             parallel
      pbw__canonical_order pbw__emission PBW__SOON                                       live             number
      pbw__emission_start pbw__emit_all pbw__make_incident pbw__output pbw__owned        live             output
      pbw__has_arrays PBW__SEAM_BEGIN PBW__SEAM_END                                      check query live seam

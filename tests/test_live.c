@@ -1070,9 +1070,9 @@ static size_t made_by_tasks(const pbw_live *live)
     return made;
 }
 
-/* Points that come and go at the same places: walks must not start from vertices that went, else tasks find no start,
-   and one thread makes all changes. */
-static void test_come_and_go(int dim)
+/* Points that come and go at the same places, anywhere or in a box of `size`: if walks start from vertices that went,
+   or all from the same one, tasks put most changes off, and one thread makes them. */
+static void test_come_and_go(int dim, double size)
 {
     enum { POINTS = 6000, BATCH = 2000 };
     static double points[3 * POINTS], more[3 * BATCH];
@@ -1080,9 +1080,9 @@ static void test_come_and_go(int dim)
     pbw_options options;
     pbw_mesh mesh;
     pbw_live *live;
-    size_t alone = 0, together = 0;
+    size_t alone = 0, together = 0, i;
     int turn;
-    if (!test_begin("points come and go, %dD: tasks make most changes", dim)) {
+    if (!test_begin("points come and go in a box of %g, %dD: tasks make most changes", size, dim)) {
         return;
     }
     memset(&options, 0, sizeof options);
@@ -1090,6 +1090,9 @@ static void test_come_and_go(int dim)
     verify_at = 1e9;
     input_fill(INPUT_UNIFORM, dim, POINTS, 1, points);
     input_fill(INPUT_UNIFORM, dim, BATCH, 2, more);
+    for (i = 0; i < BATCH * (size_t)dim; i++) {
+        more[i] = 0.5 + size * (more[i] - 0.5);
+    }
     CHECK_EQUAL(pbw_triangulate(dim, points, NULL, POINTS, &options, &mesh), PBW_OK);
     CHECK_EQUAL(pbw_live_create(&mesh, &options, &live), PBW_OK);
     for (turn = 0; turn < 4; turn++) {
@@ -1186,8 +1189,10 @@ int main(int argc, char **argv)
     test_packed(3);
 #endif
 #ifdef PBW_LIVE_IMPLEMENTATION
-    test_come_and_go(2);
-    test_come_and_go(3);
+    test_come_and_go(2, 1);
+    test_come_and_go(2, 0.01);
+    test_come_and_go(3, 1);
+    test_come_and_go(3, 0.01);
 #endif
     test_misuse();
     return test_finish();

@@ -233,7 +233,6 @@ typedef struct pbwl__core {
     size_t vertex_count, unused_count, hidden_count, next_hidden_count, placed, duplicate_count, saved_simplices;
     unsigned char *touched;                          /* per slot: 1 if it is in a journal */
     int sorted;                                      /* the vertices are in the order of a build of them */
-    int crowded;                                     /* batches of which tasks put many changes off */
     struct pbwl__core **task;                        /* >>tasks */
     size_t task_capacity, tasks;
     /* owned by one thread from here on */
@@ -244,7 +243,7 @@ typedef struct pbwl__core {
     pbwl__hole_facet *hole_facet;
     pbwl__new_simplex *new_simplex;
     size_t link_vertex_capacity, table_capacity, hole_facet_capacity, new_simplex_capacity;
-    size_t link_vertices, hole_facets, new_simplices, effort, reinserted;
+    size_t link_vertices, hole_facets, new_simplices, effort, reinserted, handled;   /* handled: changes of a round */
     pbwl__ears ears;
     /* the journal */
     pbwl__saved *saved;
@@ -309,7 +308,7 @@ PBW__INLINE const double *pbwl__core_record(const pbwl__core *core, pbw_index v)
 /* Returns whether this task owns a vertex, claiming it if it is free; always if there are no tasks.  See >>tasks. */
 PBW__INLINE int pbwl__hold(pbw__kernel *kernel, pbw_index v)
 {
-    return kernel->own.owner == NULL || v == PBW__GHOST || pbw__owns(kernel, v);
+    return kernel->own.owner == NULL || v == PBW__GHOST || pbw__owns_zone(kernel, v);
 }
 
 PBW__INLINE int pbwl__hold_corners(pbw__kernel *kernel, size_t t)
@@ -3545,9 +3544,9 @@ PBW__INLINE pbw_index pbwl__nearer_start(pbwl__core *core, pbw_index a, pbw_inde
 
    A task takes blocks of changes, which are neighbours on the curve, and works in small groups: it claims a vertex
    near each change, prefetches the stars of these, then makes the changes.  For each change it claims the vertices
-   that it needs, with all of their zones, as in >>parallel.  After each group it releases all of them.  A change that
-   needs a vertex of another task is put off to the end of the task, then to the next round.  One thread makes the
-   last ones.
+   that it needs, as in >>parallel, but a zone is one vertex here.  After each group it releases all of them.  A
+   change that needs a vertex of another task is put off to the end of the task, then to the next round.  One thread
+   makes the last ones.
 
    No data races: the rule is stricter than in >>parallel.  Only a task that owns all finite vertices of a simplex
    deletes it.  So
@@ -3562,7 +3561,6 @@ PBW__INLINE pbw_index pbwl__nearer_start(pbwl__core *core, pbw_index a, pbw_inde
    The ghost has no owner: the task that owns the other vertices of a ghost simplex deletes it.
    ------------------------------------------------------------------------------------------------------ */
 #define PBWL__GROUP 8                                /* changes that are claimed and prefetched together */
-#define PBWL__ZONE_BITS 4                            /* zones of so many vertices, 2^n, to begin with */
 #define PBWL__LEAST_CHANGES 256                      /* in the first round a task must have so many to pay off, */
 #define PBWL__LEAST_LEFT 64                          /* in later ones, where the threads run already, so many */
 
@@ -3578,10 +3576,11 @@ typedef struct pbwl__changing {
     /* of a round */
     pbwl__core *core;
     const pbw_index *which;                          /* the changes of this round; NULL: all */
-    size_t round_count, grain, next;
+    size_t round_count, grain;                       /* grain: changes of a block */
     int parts, stop;
-    uint8_t *owner;                                  /* of each zone: nobody between rounds */
-    int zone_bits;
+    int backwards;                                   /* the first task has the last share */
+    uint32_t taken[PBW__NOBODY];                     /* per share: blocks taken from the front, from the back << 16 */
+    uint8_t *owner;                                  /* of each vertex: nobody between rounds */
 } pbwl__changing;
 
 /* Makes a group of changes; those that cannot be made now go to kernel.left. */
@@ -3627,6 +3626,7 @@ static pbw_status pbwl__batch_range(const pbwl__changing *batch, pbwl__core *cor
 {
     pbw__ownership *own = &core->kernel.own;
     pbw_status status = PBW_OK;
+    double done;
     size_t i;
     for (i = from; i < to && status == PBW_OK && !PBW__LOAD(&batch->stop); i += PBWL__GROUP) {
         status = pbwl__batch_group(batch, core, which, i, to);
@@ -3634,8 +3634,10 @@ static pbw_status pbwl__batch_range(const pbwl__changing *batch, pbwl__core *cor
             PBW__STORE_RELEASE(own->owner + own->claim[--own->claim_count], PBW__NOBODY);
             PBW__TEST_PAUSE();
         }
-        if (status == PBW_OK && pbw__report(core->kernel.context, batch->begin + (batch->end - batch->begin)
-                                                                  * ((double)i / (double)batch->round_count))) {
+        core->handled += PBWL__GROUP;
+        done = (double)core->handled * (double)batch->parts / (double)batch->round_count;
+        done = batch->begin + (batch->end - batch->begin) * (done < 1.0 ? done : 1.0);
+        if (status == PBW_OK && pbw__report(core->kernel.context, done)) {
             status = PBW_CANCELLED;
         }
     }
@@ -3650,18 +3652,52 @@ static void pbwl__journal_expect(const pbwl__changing *batch, pbwl__core *core, 
     (void)PBWL__CORE_GROW(core, used_slot, core->used_slot_count + batch->slots * count);
 }
 
+/* Sets the range of a share whose blocks `taken` says are not taken.  Returns how many blocks these are. */
+static size_t pbwl__batch_rest(const pbwl__changing *batch, int share, uint32_t taken, size_t *from, size_t *to)
+{
+    const size_t begin = pbw__share(batch->round_count, share, batch->parts);
+    const size_t end = pbw__share(batch->round_count, share + 1, batch->parts);
+    const size_t blocks = (end - begin + batch->grain - 1) / batch->grain;
+    const size_t front = taken & 65535, back = taken >> 16;
+    *from = begin + front * batch->grain;
+    *to = back == 0 ? end : begin + (blocks - back) * batch->grain;
+    return blocks - front - back;
+}
+
+/* Takes a block of changes for a task: from the front of its own share, then from the back of others', where no task
+   is at work.  Returns 0 if none is left.  So a task removes and inserts in one place, with slots from there. */
+static int pbwl__batch_take(pbwl__changing *batch, int part, size_t *from, size_t *to)
+{
+    const int own = batch->backwards ? batch->parts - 1 - part : part;
+    int k;
+    for (k = 0; k < batch->parts; k++) {
+        const int share = (own + k) % batch->parts;
+        uint32_t taken = PBW__LOAD(batch->taken + share);
+        size_t blocks;
+        while ((blocks = pbwl__batch_rest(batch, share, taken, from, to)) > 0) {
+            if (PBW__CAS(batch->taken + share, &taken, taken + (k == 0 ? 1 : 65536))) {
+                if (k == 0) {
+                    *to = blocks > 1 ? *from + batch->grain : *to;
+                } else {
+                    *from += (blocks - 1) * batch->grain;
+                }
+                return 1;
+            }
+        }
+    }
+    return 0;
+}
+
 static void pbwl__batch_task(void *arg, int part)
 {
     pbwl__changing *batch = (pbwl__changing *)arg;
     pbwl__core *core = batch->core->task[part];
     pbw__kernel *kernel = &core->kernel;
-    size_t from, count;
+    size_t from, to, count;
     pbwl__journal_expect(batch, core, batch->round_count / (size_t)batch->parts);
     while (kernel->status == PBW_OK && !PBW__LOAD(&batch->stop) && !kernel->slots.no_room   /* others may have room */
-           && (from = PBW__ADD(&batch->next, batch->grain)) < batch->round_count) {
-        const size_t rest = batch->round_count - from;
-        kernel->status = pbwl__batch_range(batch, core, batch->which, from,
-                                           from + (rest < batch->grain ? rest : batch->grain));
+           && pbwl__batch_take(batch, part, &from, &to)) {
+        kernel->status = pbwl__batch_range(batch, core, batch->which, from, to);
     }
     count = kernel->left_count;
     kernel->left_count = 0;                          /* once more: other tasks have moved on */
@@ -3727,10 +3763,9 @@ static void pbwl__task_begin(const pbwl__changing *batch, int part)
     kernel->status = PBW_OK;
     kernel->own.owner = batch->owner;
     kernel->own.me = (uint8_t)part;
-    kernel->own.owner_bits = batch->zone_bits;
-    kernel->own.claim_count = 0;
+    kernel->own.owner_bits = kernel->own.claim_count = 0;
     kernel->slots.no_room = 0;
-    task->simplex_count = task->effort = task->reinserted = task->untested_count = 0;
+    task->simplex_count = task->effort = task->reinserted = task->handled = task->untested_count = 0;
 }
 
 /* Adds up what a task counted, and collects the changes that it left. */
@@ -3761,14 +3796,19 @@ static pbw_status pbwl__task_end(pbwl__core *core, pbwl__core *task)
 static pbw_status pbwl__keep_untaken(const pbwl__changing *batch)
 {
     pbw__kernel *main = &batch->core->kernel;
-    const size_t next = batch->next, untaken = next < batch->round_count ? batch->round_count - next : 0;
-    size_t i;
+    size_t from, to;
+    int share;
     main->left_count = 0;
-    if (!PBW__GROW(main, main, left, untaken)) {
-        return PBW_ERROR_MEMORY;
-    }
-    for (i = next; i < batch->round_count; i++) {
-        main->left[main->left_count++] = batch->which != NULL ? batch->which[i] : (pbw_index)i;
+    for (share = 0; share < batch->parts; share++) {
+        if (pbwl__batch_rest(batch, share, batch->taken[share], &from, &to) == 0) {
+            continue;
+        }
+        if (!PBW__GROW(main, main, left, main->left_count + to - from)) {
+            return PBW_ERROR_MEMORY;
+        }
+        for (; from < to; from++) {
+            main->left[main->left_count++] = batch->which != NULL ? batch->which[from] : (pbw_index)from;
+        }
     }
     return PBW_OK;
 }
@@ -3817,14 +3857,14 @@ static pbw_status pbwl__batch_round(pbwl__changing *batch)
 {
     pbwl__core *core = batch->core;
     pbw__context *context = core->kernel.context;
-    const size_t grain = batch->round_count / (size_t)(24 * batch->parts);
+    const size_t share = batch->round_count / (size_t)batch->parts, grain = share / 24, least = share / 32768 + 1;
     pbw_status status = pbwl__batch_room(batch);
     int part;
     if (status != PBW_OK) {
         return status;
     }
-    batch->grain = grain < PBWL__GROUP ? PBWL__GROUP : grain < 512 ? grain : 512;
-    batch->next = 0;
+    batch->grain = grain < PBWL__GROUP ? PBWL__GROUP : grain < 512 ? grain : least < 512 ? 512 : least;
+    memset(batch->taken, 0, sizeof(batch->taken));
     pbwl__share_slots(batch);
     for (part = 0; part < batch->parts; part++) {
         pbwl__task_begin(batch, part);
@@ -3849,15 +3889,19 @@ static int pbwl__batch_parts(const pbwl__core *core, size_t count, size_t least)
     return core->kernel.weighted ? 1 : (int)(most < parts ? most : parts);
 }
 
-/* Returns the bits of zones.  Large ones take fewer claims, but tasks meet more often: at once where there are few
-   zones for each, in time where vertices of one zone are far from each other, as those of many small batches are. */
-static int pbwl__zone_bits(const pbwl__core *core, int parts)
+/* Makes the changes of a round by one thread; `which` may be kernel.left, of which none are left then. */
+static pbw_status pbwl__batch_alone(pbwl__core *core, pbwl__changing *batch)
 {
-    int bits = core->crowded < PBWL__ZONE_BITS ? PBWL__ZONE_BITS - core->crowded : 0;
-    while (bits > 0 && core->vertex_count >> bits < PBW__SMALLER(1024) * (size_t)parts) {
-        bits--;
+    const size_t needed = batch->slots * batch->round_count + 64;
+    pbw__kernel *kernel = &core->kernel;
+    size_t part;
+    for (part = 0; part < core->tasks && kernel->slots.free_count < needed; part++) {
+        pbwl__move_slots(core, core->task[part], core, needed - kernel->slots.free_count);
     }
-    return bits;
+    batch->parts = 1;
+    core->handled = kernel->left_count = 0;
+    pbwl__journal_expect(batch, core, batch->round_count);
+    return pbwl__batch_range(batch, core, batch->which, 0, batch->round_count);
 }
 
 /* Makes all changes of a batch, or if `again` those in kernel.left, which then has those that are left: none, unless
@@ -3866,43 +3910,33 @@ static pbw_status pbwl__batch_all(pbwl__core *core, pbwl__changing *batch, int a
 {
     pbw__kernel *kernel = &core->kernel;
     pbw_status status = PBW_OK;
-    size_t before, needed, part, zones = 0, rounds = 0;
+    const size_t vertices = core->vertex_count + 1;
+    size_t before, rounds = 0;
     batch->core = core;
     batch->stop = 0;
     batch->which = again ? kernel->left : NULL;
     batch->round_count = again ? kernel->left_count : batch->count;
     batch->parts = pbwl__batch_parts(core, batch->round_count, again ? PBWL__LEAST_LEFT : PBWL__LEAST_CHANGES);
-    batch->owner = NULL;
-    if (batch->parts > 1) {
-        batch->zone_bits = pbwl__zone_bits(core, batch->parts);
-        zones = (core->vertex_count >> batch->zone_bits) + 1;
-        batch->owner = (uint8_t *)pbw__allocate(&kernel->context->memory, zones, 1);
-        if (batch->owner == NULL) {
-            return PBW_ERROR_MEMORY;
-        }
-        pbw__set_bytes(kernel->context, batch->owner, PBW__NOBODY, zones);
+    batch->owner = batch->parts > 1 ? (uint8_t *)pbw__allocate(&kernel->context->memory, vertices, 1) : NULL;
+    if (batch->owner != NULL) {
+        pbw__set_bytes(kernel->context, batch->owner, PBW__NOBODY, vertices);
+    } else if (batch->parts > 1) {
+        return PBW_ERROR_MEMORY;
     }
     while (batch->parts > 1 && status == PBW_OK) {
         before = batch->round_count;
         status = pbwl__batch_round(batch);
         batch->which = kernel->left;
         batch->round_count = kernel->left_count;
-        core->crowded += rounds == 0 && 8 * batch->round_count > before;
         batch->parts = batch->once || 4 * batch->round_count >= 3 * before ? 1
                      : pbwl__batch_parts(core, batch->round_count, PBWL__LEAST_LEFT);
         rounds++;
     }
-    pbw__release(&kernel->context->memory, batch->owner, zones, 1);
+    pbw__release(&kernel->context->memory, batch->owner, batch->owner != NULL ? vertices : 0, 1);
     if (batch->once && rounds > 0) {
         return status;
     }
-    needed = batch->slots * batch->round_count + 64;
-    for (part = 0; part < core->tasks && kernel->slots.free_count < needed; part++) {
-        pbwl__move_slots(core, core->task[part], core, needed - kernel->slots.free_count);
-    }
-    kernel->left_count = 0;
-    pbwl__journal_expect(batch, core, batch->round_count);
-    return status == PBW_OK ? pbwl__batch_range(batch, core, batch->which, 0, batch->round_count) : status;
+    return status == PBW_OK ? pbwl__batch_alone(core, batch) : status;
 }
 
 /* ------------------------------------------------------------------------------------------------------
@@ -4582,10 +4616,47 @@ static pbw_status pbwl__change_arriving(void *arg, pbwl__core *core, size_t i, p
     if (!pbwl__hold(&core->kernel, v) || (near == 0 && core->kernel.own.owner != NULL)) {
         return PBW__DEFERRED;
     }
+    if (core->incident[v] != PBWL__VERTEX_PENDING) { /* see pbwl__batch_seeds */
+        return PBW_OK;
+    }
     status = pbwl__insert_vertex(core, v,
                                  pbwl__start_near(core, near != 0 ? core->incident[near] : core->kernel.last));
     if (core->start != NULL) {
         PBW__STORE(core->start + pbwl__start_cell(core, p), v);
+    }
+    return status;
+}
+
+/* If those that arrive crowd in few cells of the table of starts, inserts some of them, by one thread, and lets the
+   others start from these: tasks that all start from one vertex, which one of them owns, put off most. */
+static pbw_status pbwl__batch_seeds(pbw_live *live, pbwl__changing *batch)
+{
+    pbwl__core *core = &live->core;
+    pbw__kernel *kernel = &core->kernel;
+    const size_t count = live->arriving_count;
+    const int parts = pbwl__batch_parts(core, count, PBWL__LEAST_CHANGES);
+    const size_t step = parts > 1 ? count / (64 * (size_t)parts) : 0;
+    size_t crowded = 0, i;
+    pbw_status status;
+    if (core->start == NULL || step < 4 || !PBW__GROW(kernel, kernel, left, count / step + 1)) {
+        return PBW_OK;
+    }
+    for (kernel->left_count = i = 0; i < count; i += step) {
+        const pbw_index v = live->arriving[i], before = live->arriving[i > 0 ? i - step : 0];
+        crowded += pbwl__start_cell(core, pbwl__core_record(core, v))
+                == pbwl__start_cell(core, pbwl__core_record(core, before));
+        kernel->left[kernel->left_count++] = (pbw_index)i;
+    }
+    if (4 * crowded < kernel->left_count) {
+        return PBW_OK;
+    }
+    batch->core = core;
+    batch->stop = 0;
+    batch->which = kernel->left;
+    batch->round_count = kernel->left_count;
+    status = pbwl__batch_alone(core, batch);
+    for (i = 0; i < count; i++) {
+        core->neighbor[live->arriving[i]] = live->arriving[i - i % step];
     }
     return status;
 }
@@ -4631,6 +4702,8 @@ static pbw_status pbwl__batch_run(pbw_live *live, size_t most_effort)
     batch.deleted = live->dim == 3 ? 18 : 4;
     batch.begin = batch.end;
     batch.end = 1.0;
+    batch.backwards = 1;
+    status = status == PBW_OK ? pbwl__batch_seeds(live, &batch) : status;
     status = status == PBW_OK ? pbwl__batch_all(core, &batch, 0) : status;
     return status == PBW_OK ? pbwl__settle_hidden(core) : status;
 }
