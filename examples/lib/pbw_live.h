@@ -3440,14 +3440,16 @@ static pbw_status pbwl__start_fill(void *arg, size_t from, size_t to)
 }
 
 /* Makes the table once there have been enough walks to pay for it, at once if there are `tasks`; and makes it again
-   after as many walks as there are vertices: these may have moved, and be more. */
+   after as many walks as there are vertices: these may have moved, and be more.  Without it, a walk among n vertices
+   crosses some n^(1/2) triangles or n^(1/3) tetrahedra; the table takes as long as n^(1/2) / 8 walks. */
 static void pbwl__start_table(pbwl__core *core, size_t walks, int tasks)
 {
     const size_t cells = core->vertex_count / 2 + 1;
     size_t side = 1, all;
     int k;
     core->searched += walks;
-    if (core->searched < (core->start != NULL ? core->vertex_count : tasks ? 0 : cells / 64)) {
+    if (core->start != NULL ? core->searched < core->vertex_count
+                            : !tasks && 64 * core->searched * core->searched < core->vertex_count) {
         return;
     }
     core->searched = 0;
