@@ -1732,7 +1732,8 @@ static void pbwl__swap_hidden(pbwl__core *core)
    In: points and their numbers.  Out: a core that triangulates them, in space with its slots along the curve.
    Holds: the invariants of >>core; the journal is empty.
    ------------------------------------------------------------------------------------------------------ */
-/* The points with the numbers in `list`, contiguous and in that order. */
+/* The points with the numbers in `list`, contiguous and in that order.  list NULL: those of all numbers, which are
+   somebody else's. */
 typedef struct pbwl__gathered {
     double *points, *weights;
     pbw_index *list;
@@ -1741,9 +1742,11 @@ typedef struct pbwl__gathered {
 
 static void pbwl__gathered_free(pbw_memory *memory, pbwl__gathered *gathered)
 {
-    pbw__release(memory, gathered->points, gathered->room * gathered->dim, sizeof(double));
-    pbw__release(memory, gathered->weights, gathered->room, sizeof(double));
-    pbw__release(memory, gathered->list, gathered->room, sizeof(pbw_index));
+    if (gathered->room > 0) {
+        pbw__release(memory, gathered->points, gathered->room * gathered->dim, sizeof(double));
+        pbw__release(memory, gathered->weights, gathered->room, sizeof(double));
+        pbw__release(memory, gathered->list, gathered->room, sizeof(pbw_index));
+    }
     memset(gathered, 0, sizeof(*gathered));
 }
 
@@ -1830,7 +1833,7 @@ PBW__INLINE void pbwl__core_take_of(const pbwl__taking *taking, int task, int di
             high[k] = x[k] > high[k] ? x[k] : high[k];
         }
         soon = core->name[r + 16 < end ? r + 16 : r];
-        id = taking->list[core->name[r]];
+        id = taking->list != NULL ? taking->list[core->name[r]] : core->name[r];
         PBW__PREFETCH_TO_WRITE(core->vertex + soon);
         PBW__PREFETCH_TO_WRITE(core->twin + soon);
         core->name[r] = id;
@@ -1908,7 +1911,7 @@ static pbw_status pbwl__core_take(pbwl__core *core, pbw__vertices *vertices, con
     for (i = 0; i < vertices->point_count && vertices->duplicate_count > 0; i++) {
         const pbw_index other = vertices->canonical[i];
         if (other != i && other != PBW_NONE) {
-            const pbw_index id = list[i], first = list[other];
+            const pbw_index id = list != NULL ? list[i] : (pbw_index)i, first = list != NULL ? list[other] : other;
             core->vertex[id] = core->vertex[first];
             core->twin[id] = core->twin[first];
             core->twin[first] = id;
@@ -5144,17 +5147,32 @@ static size_t pbwl__gather_kept(void *arg, size_t from, size_t to, size_t at)
     return found;
 }
 
+static pbw_status pbwl__count_kept(void *arg, size_t from, size_t to)
+{
+    const pbwl__gathering *gathering = (const pbwl__gathering *)arg;
+    (void)PBW__ADD(&gathering->gathered->count, pbwl__gather_kept(arg, from, to, PBWL__COUNT));
+    return PBW_OK;
+}
+
 /* Triangulates the points that stay into another core, which replaces this one. */
 static pbw_status pbwl__rebuild(pbw_live *live, pbw__context *context, pbw_changes *changes)
 {
     pbwl__gathered gathered;
     pbwl__core core;
     pbwl__gathering gathering = { live, &gathered };
-    pbw_status status = PBW_ERROR_MEMORY;
+    pbw_status status;
     memset(&core, 0, sizeof(core));
     core.kernel.context = context;
-    if (pbwl__gathered_create(context, &gathered, live->count, live->dim)) {
-        gathered.count = pbwl__list(context, live->count, pbwl__gather_kept, &gathering);
+    memset(&gathered, 0, sizeof(gathered));
+    gathered.points = live->point;
+    gathered.weights = live->weight;
+    gathered.dim = (size_t)live->dim;
+    status = pbw__for_range(context, live->count, 16384, 0.0, pbwl__count_kept, &gathering);
+    if (status == PBW_OK && gathered.count < live->count) {
+        status = pbwl__gathered_create(context, &gathered, live->count, live->dim) ? PBW_OK : PBW_ERROR_MEMORY;
+        gathered.count = status == PBW_OK ? pbwl__list(context, live->count, pbwl__gather_kept, &gathering) : 0;
+    }
+    if (status == PBW_OK) {
         status = pbwl__core_build(context, &gathered, live->weighted, live->count, &core);
     }
     pbwl__gathered_free(&context->memory, &gathered);
