@@ -1450,6 +1450,75 @@ static int stop_at(void *user, pbw_stage stage, double done)
     return --*left <= 0;
 }
 
+/* Counts the questions of the stage "facets", and cancels at one of all. */
+typedef struct asked { const char *stage; long facets, left; } asked;
+
+static int count_asked(void *user, pbw_stage stage, double done)
+{
+    asked *a = (asked *)user;
+    (void)stage, (void)done;
+    a->facets += strcmp(a->stage, "facets") == 0;
+    return --a->left == 0;
+}
+
+/* A box of which two sides are grids of n by n squares. */
+static void make_plates(size_t n)
+{
+    size_t i, j, side;
+    big.points = big.triangles = 0;
+    for (i = 0; i < 2 * (n + 1) * (n + 1); i++) {
+        (void)point((double)(i / 2 % (n + 1)), (double)(i / 2 / (n + 1)), (double)(i % 2));
+    }
+    for (i = 0; i < n; i++) {
+        for (j = 0; j < n; j++) {
+            for (side = 0; side < 2; side++) {
+                const size_t a = 2 * (i * (n + 1) + j) + side;
+                triangle(a, a + 2, a + 2 * n + 4), triangle(a, a + 2 * n + 4, a + 2 * n + 2);
+            }
+        }
+        for (side = 0; side < 4; side++) {
+            const size_t line = side < 2 ? side * n : (side - 2) * n * (n + 1), step = side < 2 ? n + 1 : 1;
+            const size_t a = 2 * (line + i * step), b = a + 2 * step;
+            triangle(a, b, b + 1), triangle(a, b + 1, a + 1);
+        }
+    }
+}
+
+static void test_cancelling(void)
+{
+    if (test_begin("flat facets of many triangles ask for cancel")) {
+        pbw_fill_input in;
+        pbw_fill_options how;
+        pbw_options options;
+        pbw_filled f;
+        meter memory;
+        asked a = { "", 0, 0 };
+        long k, calls;
+        memset(&how, 0, sizeof how);
+        memset(&options, 0, sizeof options);
+        make_plates(40);
+        in = input_of_big();
+        meter_start(&memory, 0, 0);
+        how.stage = &a.stage;
+        options.threads = 1;
+        options.resize = meter_resize;
+        options.resize_user = &memory;
+        options.progress = count_asked;
+        options.progress_user = &a;
+        CHECK_EQUAL(pbw_fill(&in, &how, &options, &f, NULL), PBW_OK);
+        CHECK_EQUAL(f.facet_count, in.triangle_count);
+        CHECK(a.facets > (long)in.triangle_count / 256);
+        pbw_fill_free(&f);
+        calls = -a.left;
+        for (k = 1; k < calls; k += 1 + k / 8) {     /* the last question is asked when all is done */
+            a.left = k;
+            CHECK_EQUAL(pbw_fill(&in, &how, &options, &f, NULL), PBW_CANCELLED);
+            CHECK(memory.blocks == 0 && memory.faults == 0 && f.memory == NULL);
+        }
+        test_end();
+    }
+}
+
 static void test_memory(void)
 {
     static const double centre[3] = { 0, 0, 0 };
@@ -1553,6 +1622,7 @@ int main(int argc, char **argv)
     test_refusals();
     test_magnitudes();
     test_memory();
+    test_cancelling();
     test_threads();
     return test_finish();
 }

@@ -413,33 +413,50 @@ static pbw_index pbwfill__look_up(const pbwfill__table *table, pbw_index a, pbw_
     return s == NULL || s->stamp != table->stamp ? PBW_NONE : s->value;
 }
 
-/* Returns the value of a key, to be changed: PBW_NONE if it was not there; NULL without memory. */
+/* Doubles the slots of a table.  Returns 0 without memory, or if the caller cancels. */
+static int pbwfill__enlarge(pbwfill__work *w, pbwfill__table *table)
+{
+    const size_t wanted = table->slots.capacity == 0 ? 64 : 2 * table->slots.capacity;
+    pbwfill__table larger;
+    size_t i;
+    memset(&larger, 0, sizeof larger);
+    if (!PBW_FIT(&w->memory, larger.slots, wanted)) {
+        return 0;
+    }
+    for (i = 0; i < wanted && (i % 64 != 0 || !pbwfill__tick(w, 0)); i++) {
+        larger.slots.at[i].stamp = 0;
+    }
+    larger.stamp = 1;
+    for (i = 0; i < table->slots.capacity && (i % 64 != 0 || !pbwfill__tick(w, 0)); i++) {
+        const pbwfill__slot *from = table->slots.at + i;
+        if (from->stamp == table->stamp && table->slots.count > 0) {
+            pbwfill__slot *to = pbwfill__find(&larger, from->key[0], from->key[1], from->key[2]);
+            *to = *from;
+            to->stamp = 1;
+        }
+    }
+    larger.slots.count = table->slots.count;
+    if (w->cancelled) {
+        PBW_RELEASE(&w->memory, larger.slots);
+        return 0;
+    }
+    PBW_RELEASE(&w->memory, table->slots);
+    *table = larger;
+    return 1;
+}
+
+/* Returns the value of a key, to be changed: PBW_NONE if it was not there, then NULL without memory, or if the caller
+   cancels. */
 static pbw_index *pbwfill__put(pbwfill__work *w, pbwfill__table *table, pbw_index a, pbw_index b, pbw_index c)
 {
-    pbwfill__slot *s;
-    if (2 * (table->slots.count + 1) > table->slots.capacity) {
-        pbwfill__table larger;
-        const size_t wanted = table->slots.capacity == 0 ? 64 : 2 * table->slots.capacity;
-        size_t i;
-        memset(&larger, 0, sizeof larger);
-        if (!PBW_ZEROS(&w->memory, larger.slots, wanted)) {
+    pbwfill__slot *s = table->slots.capacity == 0 ? NULL : pbwfill__find(table, a, b, c);
+    if (s == NULL || s->stamp != table->stamp) {
+        if (2 * (table->slots.count + 1) > table->slots.capacity) {
+            s = pbwfill__enlarge(w, table) ? pbwfill__find(table, a, b, c) : NULL;
+        }
+        if (s == NULL) {
             return NULL;
         }
-        larger.stamp = 1;
-        for (i = 0; i < table->slots.capacity; i++) {
-            const pbwfill__slot *from = table->slots.at + i;
-            if (from->stamp == table->stamp && table->slots.count > 0) {
-                s = pbwfill__find(&larger, from->key[0], from->key[1], from->key[2]);
-                *s = *from;
-                s->stamp = 1;
-            }
-        }
-        larger.slots.count = table->slots.count;
-        PBW_RELEASE(&w->memory, table->slots);
-        *table = larger;
-    }
-    s = pbwfill__find(table, a, b, c);
-    if (s->stamp != table->stamp) {
         s->key[0] = a, s->key[1] = b, s->key[2] = c;
         s->stamp = table->stamp;
         s->value = PBW_NONE;
@@ -1111,7 +1128,7 @@ static pbw_status pbwfill__triangulate(pbwfill__work *w)
         memcpy(w->canonical.at, mesh.canonical, w->inputs * sizeof *mesh.canonical);
         memcpy(w->at.at, mesh.incident, count * sizeof *mesh.incident);
         w->tets.count = mesh.simplex_count;
-        for (i = 0; i < mesh.simplex_count; i++) {
+        for (i = 0; i < mesh.simplex_count && !pbwfill__tick(w, 1); i++) {
             pbwfill__tet *t = w->tets.at + i;
             memcpy(t->v, mesh.simplices + 4 * i, sizeof t->v);
             memcpy(t->n, mesh.neighbors + 4 * i, sizeof t->n);
@@ -1119,7 +1136,7 @@ static pbw_status pbwfill__triangulate(pbwfill__work *w)
         }
     }
     pbw_free(&mesh);
-    return status;
+    return w->cancelled ? PBW_CANCELLED : status;
 }
 
 /* ------------------------------------------------------------------------------------------------------
@@ -1500,7 +1517,7 @@ static int pbwfill__is_in_conflict(const pbwfill__work *w, const pbwfill__tet *t
 }
 
 /* Lists the tetrahedra in conflict with p, from the one that it is in, up to facets; seen: epoch for these, epoch + 1
-   for those beside.  Returns 0 without memory. */
+   for those beside.  Returns 0 without memory, or if the caller cancels. */
 static int pbwfill__open_cavity(pbwfill__work *w, pbw_index start, const double *p)
 {
     size_t i;
@@ -1512,6 +1529,9 @@ static int pbwfill__open_cavity(pbwfill__work *w, pbw_index start, const double 
         return 0;
     }
     for (i = 0; i < w->cavity.count; i++) {
+        if (i % 8 == 7 && pbwfill__tick(w, 0)) {
+            return 0;
+        }
         for (k = 0; k < 4; k++) {
             const pbwfill__tet *t = w->tets.at + w->cavity.at[i];
             const pbw_index n = t->n[k];
@@ -2302,6 +2322,9 @@ static pbw_status pbwfill__find_cut(pbwfill__work *w, const pbwfill__plane *plan
     }
     for (i = 0; i < w->cavity.count; i++) {
         const pbwfill__tet tet = w->tets.at[w->cavity.at[i]];
+        if (pbwfill__tick(w, 0)) {
+            return PBW_CANCELLED;
+        }
         for (k = 0; k < 4; k++) {
             int above = 0, below = 0;
             for (j = 0; j < 3; j++) {
@@ -2497,7 +2520,7 @@ static int pbwfill__add_border(pbwfill__work *w, pbwfill__walk *walk, pbw_index 
     return border != NULL && (*border = 0, PBW_PUSH(&w->memory, *walk, side) != 0);
 }
 
-/* Lists the pieces at the border of the facet. */
+/* Lists the pieces at the border of the facet.  Returns 0 without memory, or if the caller cancels. */
 static int pbwfill__list_border(pbwfill__work *w, const pbwfill__plane *plane, pbwfill__walk *walk)
 {
     const double *p[3];
@@ -2515,6 +2538,9 @@ static int pbwfill__list_border(pbwfill__work *w, const pbwfill__plane *plane, p
         const pbw_index *c = w->corners.at + t;
         const int same = turn == pbwfill__turn(w, pbwfill__at(w, c[0]), pbwfill__at(w, c[1]), pbwfill__at(w, c[2]),
                                                axis);
+        if (pbwfill__tick(w, 0)) {
+            return 0;
+        }
         for (k = 0; k < 3; k++) {
             const pbwfill__edge *e = w->edges.at + w->edge_of.at[t + (size_t)k];
             const pbw_index from = c[(k + (same ? 1 : 2)) % 3];
@@ -2579,6 +2605,9 @@ static pbw_status pbwfill__recover_facet(pbwfill__work *w, pbw_index facet, pbwf
         pbwfill__side side = walk->at[--walk->count];
         unsigned corner = 0;
         int found = 0;
+        if (pbwfill__tick(w, 0)) {
+            return PBW_CANCELLED;
+        }
         if (pbwfill__look_up(&w->covered, side.u, side.v, PBW_NONE) != PBW_NONE) {
             continue;
         }
@@ -3136,7 +3165,8 @@ static int pbwfill__list_star(pbwfill__work *w, pbwfill__star *star)
     return 1;
 }
 
-/* Cuts ears off the polygon, in the plane of a triangle.  Returns 1; 0 if it has none; -1 without memory. */
+/* Cuts ears off the polygon, in the plane of a triangle.  Returns 1; 0 if it has none; -1 without memory, or if the
+   caller cancels. */
 static int pbwfill__cut_ears(pbwfill__work *w, pbwfill__star *star, pbw_index triangle)
 {
     const pbw_index *c = w->corners.at + 3 * (size_t)w->members.at[w->facet_first.at[triangle]];
@@ -3158,6 +3188,9 @@ static int pbwfill__cut_ears(pbwfill__work *w, pbwfill__star *star, pbw_index tr
             }
             for (j = 2; j < n - 1; j++) {
                 const double *q = pbwfill__at(w, p[(i + j) % n]);
+                if (j % 8 == 7 && pbwfill__tick(w, 0)) {
+                    return -1;
+                }
                 if (pbwfill__turn(w, a, b, q, axis) != -turn && pbwfill__turn(w, b, d, q, axis) != -turn
                     && pbwfill__turn(w, d, a, q, axis) != -turn) {
                     break;
@@ -3301,14 +3334,15 @@ static double pbwfill__depth(const pbwfill__work *w, int wedge, const double x[3
     return least;
 }
 
-/* Whether all tetrahedra of the wedge's faces and x are positive. */
-static int pbwfill__sees_all(const pbwfill__work *w, int wedge, const double x[PBWFILL__PLACE])
+/* Whether all tetrahedra of the wedge's faces and x are positive; no if the caller cancels. */
+static int pbwfill__sees_all(pbwfill__work *w, int wedge, const double x[PBWFILL__PLACE])
 {
     size_t i;
     for (i = 0; i < w->faces.count; i++) {
         const pbwfill__face *f = w->faces.at + i;
-        if (f->side == wedge && pbwfill__orient3(w, pbwfill__at(w, f->v[0]), pbwfill__at(w, f->v[1]),
-                                            pbwfill__at(w, f->v[2]), x) <= 0) {
+        if ((i % 16 == 15 && pbwfill__tick(w, 0))
+            || (f->side == wedge && pbwfill__orient3(w, pbwfill__at(w, f->v[0]), pbwfill__at(w, f->v[1]),
+                                                     pbwfill__at(w, f->v[2]), x) <= 0)) {
             return 0;
         }
     }
@@ -3466,7 +3500,7 @@ static size_t pbwfill__list_wedge(pbwfill__work *w, int wedge)
 }
 
 /* Whether u sees all faces of the wedge but its own, and is farther than *depth from their planes; sets that. */
-static int pbwfill__is_hub(const pbwfill__work *w, int wedge, pbw_index u, double *depth)
+static int pbwfill__is_hub(pbwfill__work *w, int wedge, pbw_index u, double *depth)
 {
     const double *x = pbwfill__at(w, u), most = *depth;
     size_t i;
@@ -3478,7 +3512,8 @@ static int pbwfill__is_hub(const pbwfill__work *w, int wedge, pbw_index u, doubl
             if (f->side != wedge || f->v[0] == u || f->v[1] == u || f->v[2] == u) {
                 continue;
             }
-            if (exact && pbwfill__orient(w, f->v[0], f->v[1], f->v[2], u) <= 0) {
+            if (exact && ((i % 16 == 15 && pbwfill__tick(w, 0))
+                          || pbwfill__orient(w, f->v[0], f->v[1], f->v[2], u) <= 0)) {
                 return 0;
             }
             *depth = fmin(*depth, pbwfill__height(w, f->v, f->n, x));
@@ -3488,14 +3523,14 @@ static int pbwfill__is_hub(const pbwfill__work *w, int wedge, pbw_index u, doubl
 }
 
 /* Returns the vertex of the wedge's faces that sees all of these but its own: the one that is the farthest from
-   their planes; PBW_NONE if there is none. */
+   their planes; PBW_NONE if there is none, or the caller cancels. */
 static pbw_index pbwfill__find_hub(pbwfill__work *w, int wedge)
 {
     pbw_index best = PBW_NONE;
     double most = 0;
     size_t i;
     pbwfill__find_normals(w, wedge);
-    for (i = 0; i < w->list.count; i++) {
+    for (i = 0; i < w->list.count && !w->cancelled; i++) {
         double depth = most;
         if (pbwfill__is_hub(w, wedge, w->list.at[i], &depth)) {
             most = depth;
@@ -4063,7 +4098,8 @@ static void pbwfill__see_side(const pbwfill__work *w, const pbwfill__flats *f, p
     *y = a ^ b ^ *x;
 }
 
-/* Notes the pieces of the facet's border, and queues its sides. */
+/* Notes the pieces of the facet's border, and queues its sides.  Returns 0 without memory, or if the caller
+   cancels. */
 static int pbwfill__queue_border(pbwfill__work *w, pbwfill__flats *f)
 {
     size_t i;
@@ -4074,6 +4110,9 @@ static int pbwfill__queue_border(pbwfill__work *w, pbwfill__flats *f)
         const size_t s = 3 * (size_t)w->members.at[i / 3] + i % 3;
         const pbwfill__edge *e = w->edges.at + w->edge_of.at[s];
         pbw_index piece, last = e->a;
+        if (pbwfill__tick(w, 1)) {
+            return 0;
+        }
         for (piece = e->piece; piece != PBW_NONE; piece = w->pieces.at[piece].next) {
             const pbw_index b = w->pieces.at[piece].b;
             if (b < w->inputs) {
@@ -4119,7 +4158,8 @@ static pbw_status pbwfill__make_edges_of(pbwfill__work *w, pbwfill__flats *f)
     return status;
 }
 
-/* Gives the facet's parts their triangles: one for each, but where other points of the input lie in it. */
+/* Gives the facet's parts their triangles: one for each, but where other points of the input lie in it.  Returns 0
+   without memory, or if the caller cancels. */
 static int pbwfill__find_triangles(pbwfill__work *w, pbwfill__flats *f)
 {
     size_t i;
@@ -4134,6 +4174,9 @@ static int pbwfill__find_triangles(pbwfill__work *w, pbwfill__flats *f)
         }
         while (f->queue.count > 0) {
             pbwfill__part *p = f->parts.at + f->queue.at[--f->queue.count];
+            if (pbwfill__tick(w, 1)) {
+                return 0;
+            }
             p->triangle = t;
             for (k = 0; k < 3; k++) {
                 const pbw_index u = p->v[k], v = p->v[(k + 1) % 3];
@@ -4148,7 +4191,8 @@ static int pbwfill__find_triangles(pbwfill__work *w, pbwfill__flats *f)
     return 1;
 }
 
-/* Makes facets of the triangles, but of those in facets that are left.  Returns 0 without memory. */
+/* Makes facets of the triangles, but of those in facets that are left.  Returns 0 without memory, or if the caller
+   cancels. */
 static int pbwfill__split_facets(pbwfill__work *w, const pbwfill__flats *f, const unsigned char *left)
 {
     const size_t facets = w->report->facets;
@@ -4166,7 +4210,7 @@ static int pbwfill__split_facets(pbwfill__work *w, const pbwfill__flats *f, cons
             *facet = new_number;
         }
     }
-    for (i = 0; i < 4 * w->tets.count; i++) {
+    for (i = 0; i < 4 * w->tets.count && !pbwfill__tick(w, 1); i++) {
         pbw_index *wall = w->tets.at[i / 4].wall + i % 4;
         if (w->tets.at[i / 4].v[0] != PBW_NONE && *wall != PBW_NONE) {
             const pbwfill__part *p = *wall < facets ? NULL : f->parts.at + (*wall - facets);
@@ -4178,7 +4222,7 @@ static int pbwfill__split_facets(pbwfill__work *w, const pbwfill__flats *f, cons
     memset(w->facet_first.at, 0, (next + 2) * sizeof *w->facet_first.at);
     pbwfill__list_members(w);
     PBW_RELEASE(&w->memory, number);
-    return 1;
+    return !w->cancelled;
 }
 
 /* Cuts flat facets into the input's triangles, but for those with added vertices, and *failed others; the last call
@@ -4192,7 +4236,7 @@ static pbw_status pbwfill__cut_facets(pbwfill__work *w, int last, size_t *failed
     memset(&f, 0, sizeof f);
     status = PBW_ZEROS(&w->memory, left, w->report->facets + 1)
           && PBW_ZEROS(&w->memory, f.visited, w->corners.count / 3 + 1)
-          && pbwfill__list_parts(w, &f, left.at) ? PBW_OK : w->cancelled ? PBW_CANCELLED : PBW_ERROR_MEMORY;
+          && pbwfill__list_parts(w, &f, left.at) ? PBW_OK : PBW_ERROR_MEMORY;
     for (i = 0; i < w->report->facets && status == PBW_OK; i++) {
         if (w->facet_first.at[i + 1] == w->facet_first.at[i] + 1 || left.at[i]) {
             continue;
@@ -5134,7 +5178,7 @@ PBWDEF void pbw_fill_free(pbw_filled *filled)
 }
 
 /* Numbers the tetrahedra that are kept, and their points: those of the input first, in its order.  Returns 0 without
-   memory. */
+   memory, or if the caller cancels. */
 static int pbwfill__number(pbwfill__work *w, pbwfill__result *r, pbwfill__indices *tet, pbwfill__indices *point)
 {
     const size_t count = pbwfill__vertices(w);
@@ -5144,6 +5188,9 @@ static int pbwfill__number(pbwfill__work *w, pbwfill__result *r, pbwfill__indice
     }
     for (i = 0; i < w->tets.count; i++) {
         const int kept = w->tets.at[i].v[0] != PBW_NONE && w->region.at[i] != PBW_NONE;
+        if (pbwfill__tick(w, 0)) {
+            return 0;
+        }
         tet->at[i] = kept ? (pbw_index)tets++ : PBW_NONE;
         for (k = 0; kept && k < 4; k++) {
             point->at[w->tets.at[i].v[k]] = 1;
@@ -5514,6 +5561,7 @@ static pbw_status pbwfill__run(pbwfill__work *w, pbw_filled *filled)
     }
     status = status != PBW_OK ? status : pbwfill__find_places(w);
     status = status != PBW_OK ? status : pbwfill__write(w, filled);
+    status = status == PBW_ERROR_MEMORY && w->cancelled ? PBW_CANCELLED : status;    /* of functions that return 0 */
     (void)pbwfill__begin(w, w->stage, NULL, 1);
     return status;
 }
