@@ -287,22 +287,58 @@ static void place_shape(void)
 
 /* ---- what must hold ---- */
 
-static double volume_of(const double *a, const double *b, const double *c, const double *d)
+/* Adds the volume of a tetrahedron, and to `terms` that of its determinant's products. */
+static void add_volume(const double *const p[4], double *volume, double *terms)
 {
-    double m[3][3];
-    int k;
-    for (k = 0; k < 3; k++) {
-        m[0][k] = b[k] - a[k], m[1][k] = c[k] - a[k], m[2][k] = d[k] - a[k];
+    double m[3][3], sum = 0;
+    int i, k;
+    for (i = 0; i < 3; i++) {
+        for (k = 0; k < 3; k++) {
+            m[i][k] = p[i + 1][k] - p[0][k];
+        }
     }
-    return (m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) - m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0])
-            + m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0])) / 6;
+    for (i = 0; i < 3; i++) {
+        const int j = (i + 1) % 3, l = (i + 2) % 3;
+        sum += m[0][i] * (m[1][j] * m[2][l] - m[1][l] * m[2][j]);
+        *terms += fabs(m[0][i]) * (fabs(m[1][j] * m[2][l]) + fabs(m[1][l] * m[2][j])) / 6;
+    }
+    *volume += sum / 6;
 }
 
-static const char *judge_tets(const pbw_tets *t, double *volume)
+/* By how much the volume of `tets` tetrahedra may differ from the shape's; u = 2^-53.
+   A product in add_volume is rounded 9 times at most, and the sum once for each tetrahedron.
+   Makers and place_shape move a coordinate by 31 u of the largest one, M, at most: a rotation is three times 3 u of
+   two terms, together at most sqrt(6) of half of the box's side, and that is no more than M; places of boxes take 7 u
+   of M, place_shape takes 2 u.  Points that stay on edges may be 2^-42 of M away from the doubles next to them there.
+   A triangle that moves by d along each axis changes the volume by d times the sum of its areas seen along the axes,
+   at most; 1.1 is for areas that grow. */
+static double volume_slack(int stay, double terms, size_t tets, double volume)
+{
+    const double u = ldexp(1, -53);
+    double most = 0, area = 0;
+    size_t i;
+    int k;
+    for (i = 0; i < 3 * s.count; i++) {
+        most = fmax(most, fabs(s.points[i]));
+    }
+    for (i = 0; i < s.triangle_count; i++) {
+        const double *a = s.points + 3 * (size_t)s.triangles[3 * i];
+        const double *b = s.points + 3 * (size_t)s.triangles[3 * i + 1];
+        const double *c = s.points + 3 * (size_t)s.triangles[3 * i + 2];
+        for (k = 0; k < 3; k++) {
+            const int p = (k + 1) % 3, q = (k + 2) % 3;
+            area += fabs((b[p] - a[p]) * (c[q] - a[q]) - (b[q] - a[q]) * (c[p] - a[p])) / 2;
+        }
+    }
+    return 9.1 * u * terms + 1.1 * u * (double)tets * volume
+         + 1.1 * (31 * u + (stay ? u + ldexp(1, -42) : 0)) * most * area;
+}
+
+static const char *judge_tets(const pbw_tets *t, double *volume, double *terms)
 {
     size_t i, j;
     unsigned k;
-    *volume = 0;
+    *volume = *terms = 0;
     for (i = 0; i < t->tet_count; i++) {
         const pbw_index *c = t->corners + 4 * i;
         const double *p[4];
@@ -324,7 +360,7 @@ static const char *judge_tets(const pbw_tets *t, double *volume)
         if (pbw_orient3(p[0], p[1], p[2], p[3]) <= 0) {
             return "a tetrahedron is not positive";
         }
-        *volume += volume_of(p[0], p[1], p[2], p[3]);
+        add_volume(p, volume, terms);
     }
     return NULL;
 }
@@ -346,13 +382,14 @@ static int is_triangle(const pbw_filled *f, size_t i)
 
 static const char *judge(const pbw_filled *f, const pbw_fill_report *r, const pbw_fill_options *how)
 {
-    double volume;
-    const char *wrong = judge_tets(&f->tets, &volume);
+    double volume, terms;
+    const char *wrong = judge_tets(&f->tets, &volume, &terms);
     size_t i;
     if (wrong != NULL) {
         return wrong;
     }
-    if (s.volume >= 0 && fabs(volume - s.volume) > (how->conforming ? 1e-3 : 1e-6) * s.volume) {    /* points round */
+    if (s.volume >= 0 && fabs(volume - s.volume) > volume_slack(how->conforming || r->refusal != PBW_FILL_FILLED,
+                                                                terms, f->tets.tet_count, s.volume)) {
         return "the volume is wrong";
     }
     if (!how->conforming && r->refusal == PBW_FILL_FILLED) {
