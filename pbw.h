@@ -4347,7 +4347,7 @@ typedef struct pbw__store {
     size_t corner_capacity, link_capacity, mark_capacity;
     size_t capacity;                                 /* in simplices, the least of all */
     int plain;                                       /* no marks: in the plane, without pbw_live.h, and for output */
-    int lent;                                        /* `link` is that of another store, for the output to read */
+    int lent;                                        /* the output only reads: 1 `link`, 2 `corner`, too */
     size_t count;                                    /* slots given to regions and threads */
     pbw_index *region;                               /* per region: its first slot that was never used */
     pbw_index *hint;                                 /* >>parallel: per zone, at its first region: where walks may
@@ -8736,8 +8736,8 @@ static void pbw__emission_start(pbw__emission *emission, pbw__context *context, 
     emission->id = vertices->id;
     emission->chain = store->hint;
     emission->tasks = pbw__tasks(context, vertices->count, 2048);
-    emission->apart = emission->tasks == 1 && emission->slot_count <= PBW__APART;
-    emission->links_apart = emission->apart || store->lent;
+    emission->apart = store->lent == 2 || (emission->tasks == 1 && emission->slot_count <= PBW__APART);
+    emission->links_apart = emission->apart || store->lent != 0;
     emission->chunk_bits = pbw__chunk_bits(emission->dim, emission->tasks, context->threads, store->count);
 }
 

@@ -5676,11 +5676,8 @@ static pbw_status pbwl__view_order(pbwl__viewing *viewing, pbw__context *context
         vertices->weighted = live->weighted_before;
         vertices->width = 1;
         vertices->count = vertices->point_count = live->points;
-        vertices->id = (pbw_index *)pbw__allocate_large(context, live->points + 1, sizeof(pbw_index));
-        if (vertices->id != NULL) {
-            vertices->id[0] = PBW_NONE;
-        }
-        return vertices->id != NULL ? PBW_OK : PBW_ERROR_MEMORY;
+        vertices->id = core->name;
+        return PBW_OK;
     }
     if (core->unused_count == 0 && core->vertex_count == live->points) {
         input = pbw__input_of(live->dim, 0, core->record + width, core->record + 2 * width - 1, live->points);
@@ -5709,9 +5706,8 @@ static pbw_status pbwl__view_ranks(void *arg, size_t from, size_t to)
     const pbw_index *name = viewing->live->core.name, *list = viewing->list;
     size_t r;
     for (r = from + 1; r <= to; r++) {
-        const size_t next = r + 16 <= to ? r + 16 : r, soon = viewing->sorted ? next - 1 : viewing->id[next];
-        const size_t near = list != NULL ? list[soon] : soon + 1;
-        const pbw_index v = list != NULL ? list[viewing->id[r]] : viewing->sorted ? (pbw_index)r : viewing->id[r] + 1;
+        const size_t soon = viewing->id[r + 16 <= to ? r + 16 : r], near = list != NULL ? list[soon] : soon + 1;
+        const pbw_index v = list != NULL ? list[viewing->id[r]] : viewing->id[r] + 1;
         PBW__PREFETCH(name + near);
         PBW__PREFETCH_TO_WRITE(viewing->rank + near);
         viewing->id[r] = name[v];
@@ -5743,7 +5739,8 @@ static pbw_status pbwl__view_corners(void *arg, size_t from, size_t to)
     return PBW_OK;
 }
 
-/* Makes a store of ranks that borrows the core's links, with the slots of the build in regions. */
+/* Makes a store of ranks that borrows the core's links, with the slots of the build in regions; and its corners, if
+   ranks are vertices. */
 static pbw_status pbwl__view_store(pbwl__viewing *viewing, pbw__context *context, const pbw__vertices *vertices,
                                    pbw__store *store)
 {
@@ -5752,7 +5749,8 @@ static pbw_status pbwl__view_store(pbwl__viewing *viewing, pbw__context *context
     const size_t slots = core->store.count, vertex_entries = core->vertex_count + 1;
     pbw__block block[2];
     pbw_status status = PBW_ERROR_MEMORY;
-    store->plain = store->lent = 1;
+    store->plain = 1;
+    store->lent = viewing->sorted ? 2 : 1;
     store->link = core->store.link;
     store->count = store->capacity = slots;
     store->region_bits = pbw__region_bits(vertices->count, vertices->dim);
@@ -5760,6 +5758,10 @@ static pbw_status pbwl__view_store(pbwl__viewing *viewing, pbw__context *context
     store->region_slots = core->store.region_slots < slots ? core->store.region_slots : slots;
     store->slots_each = store->region_slots / store->region_count + 1;
     store->hint = (pbw_index *)pbw__allocate(memory, store->region_count, sizeof(pbw_index));
+    if (viewing->sorted) {
+        store->corner = core->store.corner;
+        return store->hint != NULL ? PBW_OK : PBW_ERROR_MEMORY;
+    }
     store->corner = (pbw_index *)pbw__allocate(memory, 4 * slots, sizeof(pbw_index));
     store->corner_capacity = 4 * slots;
     viewing->corner = store->corner;
@@ -5813,6 +5815,8 @@ static pbw_status pbwl__view(const pbw_live *live, pbw__context *context, pbw_me
                    : pbwl__view_store(&viewing, context, &vertices, &store);
             status = status == PBW_OK ? pbw__output(context, &store, &vertices, PBW_BORROW, owned, mesh) : status;
             store.link = NULL;                       /* the core's */
+            store.corner = viewing.sorted ? NULL : store.corner;
+            vertices.id = viewing.sorted ? NULL : vertices.id;
             pbw__store_free(memory, &store);
             pbw__vertices_free(context, &vertices);
         }
