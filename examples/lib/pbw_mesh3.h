@@ -6676,27 +6676,49 @@ typedef struct pbwm3__boundary_arrays {    /* boundary.memory points at them */
 } pbwm3__boundary_arrays;
 
 /* Facets of the result, out of its regions: between two, out of that with the smaller shell. */
-static int pbwm3__list_result_facets(pbwm3__work *w, const pbw_tets *out, pbwm3__boundary_arrays *arrays)
+typedef struct pbwm3__result_facets {
+    const pbw_tets *out;
+    const pbwm3__shell *shell;
+    pbwm3__boundary_arrays *arrays;
+} pbwm3__result_facets;
+
+static size_t pbwm3__list_sides(void *lists, size_t t, size_t at)
 {
-    const pbwm3__shell *shell = w->shells.at;
-    size_t i, k;
-    for (i = 0; i < 4 * out->tet_count; i++) {
-        const pbw_index next = out->neighbors[i], in = out->regions[i / 4];
-        const pbw_index corner = (pbw_index)i, sides[2] = { in, next == PBW_NONE ? PBW_NONE : out->regions[next] };
-        pbw_index f[3];
-        if (in == sides[1] || (next != PBW_NONE && (fabs(shell[in].volume) > fabs(shell[sides[1]].volume)
-            || (!(fabs(shell[in].volume) < fabs(shell[sides[1]].volume)) && in > sides[1])))) {
+    const pbwm3__result_facets *b = (const pbwm3__result_facets *)lists;
+    const pbw_index *corner = b->out->corners + 4 * t, in = b->out->regions[t];
+    const double volume = fabs(b->shell[in].volume);
+    size_t count = 0, i, k;
+    for (i = 0; i < 4; i++) {
+        const pbw_index next = b->out->neighbors[4 * t + i];
+        const pbw_index other = next == PBW_NONE ? PBW_NONE : b->out->regions[next];
+        const double behind = next == PBW_NONE || other == in ? 0 : fabs(b->shell[other].volume);
+        if (other == in || (next != PBW_NONE && (volume > behind || (!(volume < behind) && in > other)))) {
             continue;
         }
-        for (k = 0; k < 3; k++) {
-            f[k] = out->corners[i / 4 * 4 + (size_t)pbwim__opposite[i % 4][2 - k]];
+        if (at != PBWM3__COUNTS) {
+            for (k = 0; k < 3; k++) {
+                b->arrays->facets.at[at + count][k] = corner[pbwim__opposite[i][2 - k]];
+            }
+            b->arrays->sides.at[at + count][0] = in;
+            b->arrays->sides.at[at + count][1] = other;
+            b->arrays->corners.at[at + count] = (pbw_index)(4 * t + i);
         }
-        if (!PBWM3__APPEND(w, arrays->facets, f) || !PBWM3__APPEND(w, arrays->sides, sides)
-            || !PBW_PUSH(&w->memory, arrays->corners, corner)) {
-            return 0;
-        }
+        count++;
     }
-    return 1;
+    return count;
+}
+
+static int pbwm3__list_result_facets(pbwm3__work *w, const pbw_tets *out, pbwm3__boundary_arrays *arrays)
+{
+    pbwm3__result_facets b = { out, w->shells.at, arrays };
+    pbwm3__listing listing;
+    size_t count = 0;
+    int good = pbwm3__count_list(w, out->tet_count, pbwm3__list_sides, &b, &listing, &count)
+            && PBW_FIT(&w->memory, arrays->facets, count + 1) && PBW_FIT(&w->memory, arrays->sides, count + 1)
+            && PBW_FIT(&w->memory, arrays->corners, count + 1);
+    good = pbwm3__write_list(w, &listing, good);
+    arrays->facets.count = arrays->sides.count = arrays->corners.count = good ? count : 0;
+    return good;
 }
 
 /* Appends the patch and the part of a facet: those of the triangle nearest to its middle. */
