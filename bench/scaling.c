@@ -122,6 +122,32 @@ static void cells(bench *b, const pbw_mesh *mesh)
     }
 }
 
+/* A tenth is replaced, for the second time on, as batches after the first know more; then one comes to a corner. */
+static void come_and_go(bench *b, pbw_live *live)
+{
+    const size_t width = (size_t)b->dim;
+    double *corner = (double *)take(b->batch, width * sizeof *corner), start;
+    size_t i;
+    int turn;
+    for (turn = 0; turn < 2; turn++) {
+        start = now();
+        good(pbw_live_remove(live, b->ids, b->batch));
+        good(pbw_live_insert(live, b->others + ((size_t)turn + 1) * width * b->batch, NULL, b->batch, b->ids));
+        good(pbw_live_commit(live, NULL));
+    }
+    row(b, "live: replace a tenth", now() - start);
+    for (i = 0; i < width * b->batch; i++) {
+        corner[i] = 0.3 + 0.01 * b->others[i];
+    }
+    good(pbw_live_remove(live, b->ids, b->batch));
+    good(pbw_live_commit(live, NULL));
+    start = now();
+    good(pbw_live_insert(live, corner, NULL, b->batch, b->ids));
+    good(pbw_live_commit(live, NULL));
+    row(b, "live: insert a tenth in a corner", now() - start);
+    free(corner);
+}
+
 static void lives(bench *b, const pbw_mesh *mesh)
 {
     pbw_live *live;
@@ -153,6 +179,7 @@ static void lives(bench *b, const pbw_mesh *mesh)
     good(pbw_live_move(live, b->ids, b->others, b->batch));
     good(pbw_live_commit(live, NULL));
     row(b, "live: move a tenth, far", now() - start);
+    come_and_go(b, live);
     pbw_live_free(live);
 }
 
