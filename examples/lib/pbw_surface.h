@@ -44,7 +44,9 @@
    surface.  pbw_mesh3.h and pbw_improve.h do so unless options.threads is 1, and call `value`, `project` and size
    callbacks from several threads at once.
    Crossings: leaves against later leaves, with boxes of rounded numbers for each triangle.  Most pairs that are left
-   have a corner in common, and one count of the triangles around that corner settles all of them (>>faults).
+   have a corner in common, and one count of the triangles around that corner settles all of them (>>faults).  Where
+   boxes tell too little, as those of rows of needles that are parallel to no axis, nodes get boxes that are turned
+   along their triangles.
 
    PROMISES  (tests/test_improve.c guards them)
      inside      exact for a closed surface: the parity of a ray is counted by exact signs, and a ray through edges or
@@ -120,7 +122,7 @@ typedef struct pbw_surface_faults {        /* start from {0}; pbw_surface_faults
 } pbw_surface_faults;
 
 /* Finds them.  Returns what pbw_surface_create returns, PBW_CANCELLED, or PBW_ERROR_TOO_LARGE for more than 2^32 / 3
-   triangles; faults are empty then.  Progress is PBW_STAGE_WORK.  Holds up to 150 bytes a triangle meanwhile, or 90 a
+   triangles; faults are empty then.  Progress is PBW_STAGE_WORK.  Holds up to 170 bytes a triangle meanwhile, or 90 a
    point where that is more. */
 PBWDEF pbw_status pbw_surface_crossings(const double *points, size_t point_count, const pbw_index *triangles,
                                         size_t triangle_count, const pbw_options *options,
@@ -974,11 +976,18 @@ typedef struct pbwsf__node {
     pbw_index apex;                        /* the corner that all of them have; PBW_NONE: there is none */
 } pbwsf__node;
 
+typedef struct pbwsf__rod {                /* a turned box around the triangles of a node that are long and alike */
+    double middle[3], along[3];            /* along: a unit vector */
+    double half[3];                        /* half of its extents along and across; half[0] < 0: there is none */
+} pbwsf__rod;
+
 typedef struct pbwsf__slab {               /* of the triangles of a leaf */
     float low[3][PBWSF__LEAF], high[3][PBWSF__LEAF];
     pbw_index proven[3][PBWSF__LEAF];      /* corners whose triangles do not cross each other, by the star's signs;
                                               PBW_NONE: signs do not prove it */
 } pbwsf__slab;
+
+#define PBWSF__LEFT ((size_t)-1)
 
 typedef struct pbwsf__search {
     pbw_memory *memory;
@@ -1002,11 +1011,15 @@ typedef struct pbwsf__search {
     PBW_ARRAY(pbwsf__node) nodes;          /* of the tree: node i has the children 2 i + 1 and 2 i + 2 */
     PBW_ARRAY(pbwsf__node) arcs;           /* the same for the directions from the apex to the sides across */
     PBW_ARRAY(pbwsf__slab) slabs;          /* per leaf */
-    size_t first_node;                     /* of a level */
+    PBW_ARRAY(pbwsf__rod) rods;            /* per node, once boxes alone took too many steps */
+    size_t first_node, first_pairs;        /* of a level; of those of its nodes that are searched next */
     size_t first_leaf, node_count;         /* node first_leaf + j has the triangles 4 j .. 4 j + 3 of items; nodes
                                               from node_count on are not there: they would have none */
     double least;                          /* see pbwsf__side_of */
     PBW_ARRAY(pbwsf__keys) pairs;          /* per node of a level: pairs of triangles that meet elsewhere */
+    pbwsf__counts steps;                   /* per node of that level: how many its search took; PBWSF__LEFT: it is to
+                                              be searched */
+    size_t patience;                       /* what takes more steps is left for later */
 } pbwsf__search;
 
 static int pbwsf__search_progress(void *user, pbw_stage stage, double done)
@@ -1610,6 +1623,91 @@ static int pbwsf__reaches(const pbwsf__search *s, const pbwsf__node *arc, const 
     return least <= most && least < HUGE_VAL;
 }
 
+/* ---- rods: the boxes of long triangles at a slant overlap where the triangles are far apart.  Coordinates are below
+   1e90 */
+
+typedef struct pbwsf__turned { double middle[3], axes[3][3], half[3]; } pbwsf__turned;
+
+/* Makes the axes of a rod: along it, and two across that turn little where it turns little, unless it is close to an
+   odd direction.  Each component, and each product of two axes, is off by less than 1e-13.  Returns 0 if the rod is
+   close to that direction. */
+static int pbwsf__axes_of(const double along[3], double axes[3][3])
+{
+    static const double odd[3] = { 0.347, 0.503, 0.791 };
+    double length;
+    int k;
+    memcpy(axes[0], along, sizeof axes[0]);
+    pbwsf__cross(odd, along, axes[1]);
+    length = sqrt(pbwsf__dot(axes[1], axes[1]));
+    for (k = 0; k < 3 && length > 0.01; k++) {
+        axes[1][k] /= length;
+    }
+    pbwsf__cross(along, axes[1], axes[2]);
+    return length > 0.01;
+}
+
+/* Returns whether the node has a rod; fills in that, or its own box. */
+static int pbwsf__turned_of(const pbwsf__search *s, size_t node, pbwsf__turned *out)
+{
+    const pbwsf__rod *rod = s->rods.at + node;
+    const pbwsf__node *box = s->nodes.at + node;
+    int k;
+    if (rod->half[0] >= 0) {
+        memcpy(out->middle, rod->middle, sizeof out->middle);
+        memcpy(out->half, rod->half, sizeof out->half);
+        return pbwsf__axes_of(rod->along, out->axes);
+    }
+    memset(out->axes, 0, sizeof out->axes);
+    for (k = 0; k < 3; k++) {
+        out->middle[k] = 0.5 * box->low[k] + 0.5 * box->high[k];
+        out->half[k] = fmax(out->middle[k] - box->low[k], box->high[k] - out->middle[k]);
+        out->axes[k][k] = 1;
+    }
+    return 0;
+}
+
+/* Returns half of a turned box's extent along u, or more: by 1e-12 of its size, as its axes are off by 1e-13, and
+   differences and products of all that is computed with it by less. */
+static double pbwsf__half_along(const pbwsf__turned *box, const double u[3])
+{
+    const double all = 1e-12 * (fabs(u[0]) + fabs(u[1]) + fabs(u[2]));
+    return box->half[0] * (fabs(pbwsf__dot(u, box->axes[0])) + all)
+         + box->half[1] * (fabs(pbwsf__dot(u, box->axes[1])) + all)
+         + box->half[2] * (fabs(pbwsf__dot(u, box->axes[2])) + all);
+}
+
+/* Returns whether two turned boxes are apart along u; away: from the middle of b to that of a.  Products that matter
+   are above 1e-250, so that none underflows. */
+static int pbwsf__apart_along(const pbwsf__turned *a, const pbwsf__turned *b, const double away[3], const double u[3])
+{
+    const double slack = 1e-14 * (fabs(u[0] * away[0]) + fabs(u[1] * away[1]) + fabs(u[2] * away[2]));
+    return fabs(u[0]) + fabs(u[1]) + fabs(u[2]) > 1e-120
+        && fabs(pbwsf__dot(u, away)) - slack > pbwsf__half_along(a, u) + pbwsf__half_along(b, u);
+}
+
+/* Returns whether rods show that the triangles below two nodes are apart: along what is across a rod of the way from
+   one to the other, or along what is across both. */
+static int pbwsf__rods_apart(const pbwsf__search *s, size_t i, size_t k)
+{
+    pbwsf__turned turned[2];
+    const int rods = pbwsf__turned_of(s, i, turned) + 2 * pbwsf__turned_of(s, k, turned + 1);
+    double away[3], u[3];
+    int side, axis;
+    pbwsf__minus(turned[0].middle, turned[1].middle, away);
+    for (side = 0; side < 2; side++) {
+        const double *along = turned[side].axes[0];
+        const double part = pbwsf__dot(away, along);
+        for (axis = 0; axis < 3; axis++) {
+            u[axis] = away[axis] - part * along[axis];
+        }
+        if ((rods >> side & 1) && pbwsf__apart_along(turned, turned + 1, away, u)) {
+            return 1;
+        }
+    }
+    pbwsf__cross(turned[0].axes[0], turned[1].axes[0], u);
+    return rods == 3 && pbwsf__apart_along(turned, turned + 1, away, u);
+}
+
 /* Returns whether triangles below two nodes may meet elsewhere than in a corner that all of them have: then there is
    a direction from it to both. */
 static int pbwsf__nodes_meet(const pbwsf__search *s, size_t i, size_t k)
@@ -1617,7 +1715,8 @@ static int pbwsf__nodes_meet(const pbwsf__search *s, size_t i, size_t k)
     const pbwsf__node *a = s->nodes.at + i, *b = s->nodes.at + k, *f = s->arcs.at + i, *g = s->arcs.at + k;
     return pbwsf__boxes_meet(a->low, a->high, b->low, b->high)
         && (f->apex != g->apex || f->apex == PBW_NONE || pbwsf__boxes_meet(f->low, f->high, g->low, g->high))
-        && (f->apex == PBW_NONE || pbwsf__reaches(s, f, b)) && (g->apex == PBW_NONE || pbwsf__reaches(s, g, a));
+        && (f->apex == PBW_NONE || pbwsf__reaches(s, f, b)) && (g->apex == PBW_NONE || pbwsf__reaches(s, g, a))
+        && (s->rods.count == 0 || !pbwsf__rods_apart(s, i, k));
 }
 
 /* Tests items i and k, and keeps the pair if they meet. */
@@ -1661,11 +1760,14 @@ static int pbwsf__test_leaves(const pbwsf__search *s, size_t a, size_t b, pbwsf_
 }
 
 /* Tests the triangles below a node against each other, and against those of later leaves.  It takes pairs of nodes
-   from a stack: if their boxes meet, it puts the pairs of their children there, and it tests pairs of leaves. */
-static int pbwsf__test_node(const pbwsf__search *s, size_t node, pbwsf__keys *pairs)
+   from a stack: if their boxes meet, it puts the pairs of their children there, and it tests pairs of leaves.  It
+   counts its steps, and gives up if they are too many. */
+static int pbwsf__test_node(const pbwsf__search *s, size_t node, pbwsf__keys *pairs, size_t *steps)
 {
     size_t stack[4 * PBWSF__DEPTH][2], i, k;
     int depth = 0, good = 1;
+    pairs->count = 0;
+    *steps = 0;
     for (i = node; i > 0; i = (i - 1) / 2) {         /* with the nodes on the right of the way up */
         if (i % 2 == 1) {
             stack[depth][0] = node;
@@ -1677,6 +1779,10 @@ static int pbwsf__test_node(const pbwsf__search *s, size_t node, pbwsf__keys *pa
         const size_t a = stack[--depth][0], b = stack[depth][1];
         if (a >= s->node_count || b >= s->node_count || (a != b && !pbwsf__nodes_meet(s, a, b))) {
             continue;
+        }
+        if (++*steps > s->patience) {
+            *steps = PBWSF__LEFT;
+            return 1;
         }
         if (a >= s->first_leaf && b >= s->first_leaf) {
             good = pbwsf__test_leaves(s, a - s->first_leaf, b - s->first_leaf, pairs);
@@ -1780,7 +1886,10 @@ static pbw_status pbwsf__segment_range(void *arg, size_t from, size_t to)
    >>faults       All that is wrong with a surface.
    In: points and triangles.  Out: lists of faults.
    ------------------------------------------------------------------------------------------------------ */
-enum { PBWSF__LEAVES = 16 };               /* below a node that is searched at once: a power of two */
+enum {
+    PBWSF__LEAVES = 16,                    /* below a node that is searched at once: a power of two */
+    PBWSF__PATIENCE = 1000                 /* steps: 300 are usual */
+};
 
 /* Returns signs of the triangle's area along the axes that are certain: bit k, positive along axis k; 3 + k,
    negative.  The filter is that of pbwsf__side_of: here the error is at most (3 + 16 2^-53) 2^-53 of the sum. */
@@ -2029,21 +2138,157 @@ static pbw_status pbwsf__pair_range(void *arg, size_t from, size_t to)
 {
     pbwsf__search *s = (pbwsf__search *)arg;
     for (; from < to; from++) {
-        if (!pbwsf__test_node(s, s->first_node + from, s->pairs.at + from)) {
+        const size_t at = s->first_pairs + from;
+        if (s->steps.at[at] == PBWSF__LEFT
+            && !pbwsf__test_node(s, s->first_node + at, s->pairs.at + at, s->steps.at + at)) {
             return PBW_ERROR_MEMORY;
         }
     }
     return PBW_OK;
 }
 
-/* Fills the pairs of each node of a level. */
+/* Fills in what has to fit into the rod of a node: of a leaf the corners of its triangles, of others the turned boxes
+   of the children; and which way they are long, a side from the corner, or a child's rod.  Returns 0 if there is no
+   part `at`. */
+static int pbwsf__rod_part(const pbwsf__search *s, size_t node, size_t at, pbwsf__turned *part, double way[3])
+{
+    const size_t child = 2 * node + 1 + at, item = PBWSF__LEAF * (node - s->first_leaf) + at / 3;
+    const pbw_index *c = s->corners.at + 3 * item;
+    int k;
+    if (node >= s->first_leaf) {
+        if (at >= 3 * PBWSF__LEAF || item >= s->items.count) {
+            return 0;
+        }
+        memset(part, 0, sizeof *part);
+        memcpy(part->middle, s->places.at[c[at % 3]], sizeof part->middle);
+        pbwsf__minus(s->places.at[c[(at + 1) % 3]], part->middle, way);
+        return 1;
+    }
+    if (at >= 2 || child >= s->node_count || s->nodes.at[child].low[0] > s->nodes.at[child].high[0]) {
+        return 0;                                    /* there are no triangles below it */
+    }
+    if (!pbwsf__turned_of(s, child, part)) {
+        memset(way, 0, 3 * sizeof *way);
+        return 1;
+    }
+    for (k = 0; k < 3; k++) {
+        way[k] = part->half[0] * part->axes[0][k];
+    }
+    return 1;
+}
+
+/* Makes a rod around the parts of a node, unless it is not four times as long as wide. */
+static void pbwsf__fill_rod(const pbwsf__search *s, size_t node)
+{
+    pbwsf__rod *rod = s->rods.at + node;
+    pbwsf__turned part;
+    double axes[3][3], sum[3] = { 0, 0, 0 }, away[3], length;
+    size_t i;
+    int k, pass;
+    rod->half[0] = -1;
+    for (i = 0; pbwsf__rod_part(s, node, i, &part, away); i++) {
+        const double sign = pbwsf__dot(sum, away) < 0 ? -1 : 1;
+        for (k = 0; k < 3; k++) {
+            sum[k] += sign * away[k];
+        }
+    }
+    length = sqrt(pbwsf__dot(sum, sum));
+    for (k = 0; k < 3 && length > 1e-80; k++) {
+        rod->along[k] = sum[k] / length;
+        rod->middle[k] = s->nodes.at[node].low[k];
+    }
+    if (length <= 1e-80 || !pbwsf__axes_of(rod->along, axes)) {
+        return;
+    }
+    for (pass = 0; pass < 2; pass++) {               /* the middle of all parts, and the extents from there */
+        double low[3] = { HUGE_VAL, HUGE_VAL, HUGE_VAL }, high[3] = { -HUGE_VAL, -HUGE_VAL, -HUGE_VAL };
+        for (i = 0; pbwsf__rod_part(s, node, i, &part, away); i++) {
+            pbwsf__minus(part.middle, rod->middle, away);
+            for (k = 0; k < 3; k++) {
+                const double at = pbwsf__dot(away, axes[k]), half = pbwsf__half_along(&part, axes[k])
+                           + 1e-14 * (fabs(away[0]) + fabs(away[1]) + fabs(away[2]));
+                low[k] = fmin(low[k], at - half);
+                high[k] = fmax(high[k], at + half);
+            }
+        }
+        for (k = 0; k < 3; k++) {
+            for (i = 0; i < 3 && pass == 0; i++) {
+                rod->middle[k] += axes[i][k] * (low[i] + high[i]) / 2;
+            }
+            away[k] = fmax(-low[k], high[k]);
+        }
+    }
+    if (4 * fmax(away[1], away[2]) < away[0]) {
+        memcpy(rod->half, away, sizeof rod->half);
+    }
+}
+
+static pbw_status pbwsf__rod_range(void *arg, size_t from, size_t to)
+{
+    const pbwsf__search *s = (const pbwsf__search *)arg;
+    for (from += s->first_node, to += s->first_node; from < to && from < s->node_count; from++) {
+        pbwsf__fill_rod(s, from);
+    }
+    return PBW_OK;
+}
+
+/* Makes the rods of all nodes. */
+static pbw_status pbwsf__make_rods(pbwsf__search *s)
+{
+    pbw_status status = PBW_FIT(s->memory, s->rods, s->node_count) ? PBW_OK : PBW_ERROR_MEMORY;
+    size_t most;
+    s->rods.count = s->node_count;
+    for (most = s->first_leaf + 1; most > 0 && status == PBW_OK; most /= 2) {    /* levels, the last one first */
+        s->first_node = most - 1;
+        status = pbw_for(pbwsf__next_part(s, 0, 0), most, 1024, pbwsf__rod_range, s);
+    }
+    return status;
+}
+
+/* Searches those of the nodes from .. to - 1 of a level that are left, and counts those that are left then. */
+static pbw_status pbwsf__search_left(pbwsf__search *s, size_t from, size_t to, double share, size_t *left)
+{
+    const size_t most = (s->first_leaf + 1) / PBWSF__LEAVES;
+    pbw_status status;
+    s->first_node = most > 0 ? most - 1 : 0;
+    s->first_pairs = from;
+    status = pbw_for(pbwsf__next_part(s, share, 0), to - from, 1, pbwsf__pair_range, s);
+    for (; from < to; from++) {
+        *left += s->steps.at[from] == PBWSF__LEFT;
+    }
+    return status;
+}
+
+/* Fills the pairs of each node of a level.  Rods take about as long as all searches of a usual surface, so they are
+   made if one search in eight takes far more steps than usual, or if those that do so take more than all others. */
 static pbw_status pbwsf__find_pairs(pbwsf__search *s)
 {
     const size_t leaves = (s->items.count + PBWSF__LEAF - 1) / PBWSF__LEAF;
-    const size_t nodes = (leaves + PBWSF__LEAVES - 1) / PBWSF__LEAVES, most = (s->first_leaf + 1) / PBWSF__LEAVES;
-    s->first_node = most > 0 ? most - 1 : 0;
-    return !PBW_ZEROS(s->memory, s->pairs, nodes + 1) ? PBW_ERROR_MEMORY
-         : pbw_for(pbwsf__next_part(s, 0.25, 0), nodes, 1, pbwsf__pair_range, s);
+    const size_t nodes = (leaves + PBWSF__LEAVES - 1) / PBWSF__LEAVES;
+    pbw_status status = PBW_ERROR_MEMORY;
+    size_t from, to, left = 0;
+    s->patience = s->least < HUGE_VAL ? (size_t)PBWSF__PATIENCE : (size_t)-1;
+    if (PBW_ZEROS(s->memory, s->pairs, nodes + 1) && PBW_FIT(s->memory, s->steps, nodes + 1)) {
+        status = PBW_OK;
+    }
+    for (from = 0; from < nodes && status == PBW_OK; from++) {
+        s->steps.at[s->steps.count++] = PBWSF__LEFT;
+    }
+    for (from = 0; from < nodes && 8 * left <= from && status == PBW_OK; from = to) {
+        to = 2 * from + 64 < nodes ? 2 * from + 64 : nodes;
+        status = pbwsf__search_left(s, from, to, 0.2 * (double)(to - from) / (double)nodes, &left);
+    }
+    if (status == PBW_OK && left > 0 && from == nodes && 8 * left <= nodes) {
+        s->patience = PBWSF__PATIENCE * (nodes / left);
+        left = 0;
+        status = pbwsf__search_left(s, 0, nodes, 0.05, &left);
+    }
+    if (status == PBW_OK && left > 0) {
+        status = pbwsf__make_rods(s);
+        s->patience = (size_t)-1;
+        status = status != PBW_OK ? status : pbwsf__search_left(s, 0, nodes, 0.05, &left);
+    }
+    return status;
 }
 
 /* Puts `count` items of `each` numbers in an order. */
@@ -2135,6 +2380,28 @@ static pbw_status pbwsf__find_all(pbwsf__search *s)
     return status != PBW_OK ? status : pbwsf__gather_pairs(s);
 }
 
+/* Begins a search; pbwsf__free_search ends it, and leaves what it found. */
+static pbw_status pbwsf__start_search(const double *points, size_t point_count, const pbw_index *triangles,
+                                      size_t triangle_count, const pbw_options *options, pbwsf__search *s)
+{
+    pbw_memory memory;
+    pbw_memory_start(&memory, options);
+    memset(s, 0, sizeof *s);
+    s->found = (pbwsf__found *)pbw_memory_resize(&memory, NULL, 0, 1, sizeof *s->found);
+    if (s->found == NULL) {
+        return PBW_ERROR_MEMORY;
+    }
+    memset(s->found, 0, sizeof *s->found);
+    s->found->memory = memory;
+    s->memory = &s->found->memory;
+    s->given = options;
+    s->points = points;
+    s->point_count = point_count;
+    s->triangles = triangles;
+    s->triangle_count = triangle_count;
+    return PBW_OK;
+}
+
 static void pbwsf__free_search(pbwsf__search *s)
 {
     size_t i;
@@ -2156,6 +2423,8 @@ static void pbwsf__free_search(pbwsf__search *s)
     PBW_RELEASE(s->memory, s->nodes);
     PBW_RELEASE(s->memory, s->arcs);
     PBW_RELEASE(s->memory, s->slabs);
+    PBW_RELEASE(s->memory, s->rods);
+    PBW_RELEASE(s->memory, s->steps);
 }
 
 static void pbwsf__show(const pbwsf__found *f, pbw_surface_faults *faults)
@@ -2179,7 +2448,6 @@ PBWDEF pbw_status pbw_surface_crossings(const double *points, size_t point_count
                                         pbw_surface_faults *faults)
 {
     pbwsf__search search;
-    pbw_memory memory;
     pbw_status status;
     if (faults == NULL) {
         return PBW_ERROR_ARGUMENT;
@@ -2192,20 +2460,10 @@ PBWDEF pbw_status pbw_surface_crossings(const double *points, size_t point_count
     if (status != PBW_OK) {
         return status;
     }
-    pbw_memory_start(&memory, options);
-    memset(&search, 0, sizeof search);
-    search.found = (pbwsf__found *)pbw_memory_resize(&memory, NULL, 0, 1, sizeof *search.found);
-    if (search.found == NULL) {
-        return PBW_ERROR_MEMORY;
+    status = pbwsf__start_search(points, point_count, triangles, triangle_count, options, &search);
+    if (status != PBW_OK) {
+        return status;
     }
-    memset(search.found, 0, sizeof *search.found);
-    search.found->memory = memory;
-    search.memory = &search.found->memory;
-    search.given = options;
-    search.points = points;
-    search.point_count = point_count;
-    search.triangles = triangles;
-    search.triangle_count = triangle_count;
     status = pbwsf__find_all(&search);
     pbwsf__free_search(&search);
     faults->memory = search.found;
