@@ -226,7 +226,7 @@ typedef struct pbwl__core {
     pbw_index *next_hidden, *next_container;         /* hidden and container after the commit */
     pbw_index *start;                                /* per cell of a grid: a vertex that is or was there; 0: none */
     double start_low[3], start_scale[3];
-    size_t start_side, searched;                     /* cells along an axis; walks since, see pbwl__start_table */
+    size_t start_side, searched;                     /* cells along an axis; walks since it was made */
     size_t record_capacity, name_capacity, incident_capacity, link_index_capacity, neighbor_capacity, vertex_capacity;
     size_t twin_capacity, start_capacity, place_capacity, unused_capacity, hidden_capacity, container_capacity;
     size_t next_hidden_capacity, next_container_capacity, touched_capacity;
@@ -2435,7 +2435,7 @@ static pbw_status pbwl__verify_windows(pbwl__verifying *verifying)
     }
     for (verifying->from = 0; verifying->from < count && status == PBW_OK; verifying->from = verifying->to) {
         const size_t rest = count - verifying->from, before = verifying->from > least ? verifying->from : least;
-        const size_t wanted = before < most ? before : most;       /* what fails mostly does so soon */
+        const size_t wanted = before < most ? before : most;         /* they double: most failures come early */
         const size_t length = rest < wanted ? rest : wanted;
         const double done = 0.5 * (double)verifying->from / (double)count;
         verifying->to = verifying->from + length;
@@ -3547,7 +3547,7 @@ PBW__INLINE pbw_index pbwl__nearer_start(pbwl__core *core, pbw_index a, pbw_inde
    Holds: the invariants of >>core.  The triangulation of the points is unique, so the order of changes does not
    matter.
 
-   A task takes blocks of changes, which are neighbours on the curve, and works in small groups: it claims a vertex
+   A task takes blocks of its share of the changes along the curve, and works in small groups: it claims a vertex
    near each change, prefetches the stars of these, then makes the changes.  For each change it claims the vertices
    that it needs, as in >>parallel, but a zone is one vertex here.  After each group it releases all of them.  A
    change that needs a vertex of another task is put off to the end of the task, then to the next round.  One thread
@@ -4641,6 +4641,7 @@ static pbw_status pbwl__batch_seeds(pbw_live *live, pbwl__changing *batch)
     const size_t count = live->arriving_count;
     const int parts = pbwl__batch_parts(core, count, PBWL__LEAST_CHANGES);
     const size_t step = parts > 1 ? count / (64 * (size_t)parts) : 0;
+    const double end = batch->end;
     size_t crowded = 0, i;
     pbw_status status;
     if (core->start == NULL || step < 4 || !PBW__GROW(kernel, kernel, left, count / step + 1)) {
@@ -4659,7 +4660,9 @@ static pbw_status pbwl__batch_seeds(pbw_live *live, pbwl__changing *batch)
     batch->stop = 0;
     batch->which = kernel->left;
     batch->round_count = kernel->left_count;
+    batch->end = batch->begin;                       /* these are few: no progress */
     status = pbwl__batch_alone(core, batch);
+    batch->end = end;
     for (i = 0; i < count; i++) {
         core->neighbor[live->arriving[i]] = live->arriving[i - i % step];
     }
