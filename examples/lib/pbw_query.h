@@ -2449,16 +2449,18 @@ PBW__SIMD_INLINE double pbwq__search_alone(pbwq__queries *queries, pbwq__scratch
     return most;
 }
 
-/* Puts k successive vertices, or all, from the leaf that is reached by near boxes into scratch->found. */
-static void pbwq__search_start(const pbwq__queries *queries, pbwq__scratch *scratch, const double *q)
+/* Puts k successive vertices, or all, from the leaf that is reached by near boxes into scratch->found.  Returns the
+   square of the distance of its box. */
+static double pbwq__search_start(const pbwq__queries *queries, pbwq__scratch *scratch, const double *q)
 {
     const pbwq__tree *tree = queries->tree;
     const size_t dim = (size_t)queries->mesh->dim, count = queries->k < tree->count ? queries->k : tree->count;
+    double least = HUGE_VAL;
     size_t node = 0, i, k;
     int level;
     for (level = tree->top; level >= 0; level--) {
         const size_t first = node * PBWQ__BRANCH;
-        double least = HUGE_VAL;
+        least = HUGE_VAL;
         node = first;
         for (i = first; i < first + PBWQ__BRANCH && i < tree->nodes[level]; i++) {
             const double *box = pbwq__tree_box(tree, (int)dim, level, i);
@@ -2477,6 +2479,7 @@ static void pbwq__search_start(const pbwq__queries *queries, pbwq__scratch *scra
         scratch->found[i].vertex = tree->vertex[node + i];
     }
     scratch->found_count = count;
+    return least;
 }
 
 /* Returns a limit for the squares of the k nearest, from the farthest of k vertices in scratch->found. */
@@ -2494,16 +2497,17 @@ PBW__SIMD_INLINE double pbwq__search_limit(const pbwq__queries *queries, int dim
     return scratch->found_count < queries->k ? HUGE_VAL : pbwq__square_limit(&farthest);
 }
 
-/* Gathers all vertices with squares up to a limit larger than `tried` that holds k of them.  Returns the limit. */
+/* Gathers all vertices with squares up to a limit larger than `tried` that holds k of them.  Returns the limit.  It
+   grows from the square of a near leaf: from afar the squares of all vertices are in a short range. */
 PBW__SIMD_INLINE double pbwq__search_wider(pbwq__queries *queries, pbwq__scratch *scratch, pbwq__search *search,
                                            const double *q, double tried, int dim)
 {
-    double limit, most;
-    pbwq__search_start(queries, scratch, q);
-    limit = pbwq__search_limit(queries, dim, scratch, q);
-    most = tried > limit / 256.0 ? tried : limit / 256.0;
+    const double away = pbwq__search_start(queries, scratch, q);
+    const double limit = pbwq__search_limit(queries, dim, scratch, q);
+    double step = pbw__max((limit - away) / 256.0, tried - away), most;
     do {
-        most = 2.5 * most < limit ? 2.5 * most : limit;
+        step *= 2.5;
+        most = away + step < limit ? away + step : limit;      /* the limit for the NaN of an overflow too */
         most = pbwq__search_alone(queries, scratch, search, q, most, dim);
     } while (search->count < queries->k && most < limit);
     return most;
@@ -2513,17 +2517,15 @@ PBW__SIMD_INLINE double pbwq__search_wider(pbwq__queries *queries, pbwq__scratch
 PBW__SIMD_INLINE void pbwq__search_of(pbwq__queries *queries, pbwq__scratch *scratch, pbwq__search *search,
                                       const double *q, int dim)
 {
-    double most = search->reach;
+    double most = 0.0;
     search->count = 0;
     if (search->listed > 0.0) {
-        most = most < search->listed ? most : search->listed;
+        most = search->reach < search->listed ? search->reach : search->listed;
         most = pbwq__search_gather(queries, scratch, search, q, most, dim);
         if (search->count < queries->k) {
             search->count = 0;
             most = pbwq__search_gather(queries, scratch, search, q, search->listed, dim);
         }
-    } else if (most > 0.0) {
-        most = pbwq__search_alone(queries, scratch, search, q, most, dim);
     }
     if (search->count < queries->k) {
         most = pbwq__search_wider(queries, scratch, search, q, most, dim);
