@@ -5041,12 +5041,12 @@ typedef struct pbwm3__topology {
 } pbwm3__topology;
 
 /* Lists the edges that have not exactly two facets, and joins the corners of facets across the others.  The edges are
-   sorted. */
-static int pbwm3__join_fans(pbw_memory *memory, const pbwim__facet *edge, size_t count, size_t *parent,
+   sorted.  Returns 0 without memory, or if the work must end. */
+static int pbwm3__join_fans(pbwm3__work *w, const pbwim__facet *edge, size_t count, size_t *parent,
                             pbwm3__topology *top)
 {
-    size_t i, k;
-    for (i = 0; i < count; i = k) {
+    size_t i, k, done = 0;
+    for (i = 0; i < count && !pbwm3__ends_at(w, done, 65536); i = k, done++) {
         const size_t a = 3 * (size_t)edge[i].t, b = i + 1 < count ? 3 * (size_t)edge[i + 1].t : 0;
         for (k = i + 1; k < count && memcmp(edge[i].v, edge[k].v, 2 * sizeof(pbw_index)) == 0; k++) {
         }
@@ -5060,17 +5060,17 @@ static int pbwm3__join_fans(pbw_memory *memory, const pbwim__facet *edge, size_t
             pbwm3__join(parent, a + low, b + low2);
             pbwm3__join(parent, a + other, b + other2);
         } else {
-            if (!PBW_RESERVE(memory, top->edges, 1)) {
+            if (!PBW_RESERVE(&w->memory, top->edges, 1)) {
                 return 0;
             }
             memcpy(top->edges.at[top->edges.count++], edge[i].v, sizeof *top->edges.at);
             top->bad_edges++;
         }
     }
-    return 1;
+    return !pbwm3__has_ended(w);
 }
 
-/* Examines a closed set of facets.  Returns 0 without memory. */
+/* Examines a closed set of facets.  Returns 0 without memory, or if the work must end. */
 static int pbwm3__examine(pbwm3__work *w, const pbw_index *facets, size_t count, size_t points,
                           pbwm3__topology *top)
 {
@@ -5084,10 +5084,10 @@ static int pbwm3__examine(pbwm3__work *w, const pbw_index *facets, size_t count,
     memset(top, 0, sizeof *top);
     good = edge != NULL && pbwm3__start_trees(memory, &parents, 3 * count)
         && PBW_ZEROS(memory, top->flags, points + 1)
-        && pbwm3__join_fans(memory, edge, 3 * count, parents.at, top);
+        && pbwm3__join_fans(w, edge, 3 * count, parents.at, top);
     flag = top->flags.at;
     top->euler += (long)count;
-    for (i = 0; good && i < 3 * count; i++) {        /* fans: 0 none, 2 one, 1 several */
+    for (i = 0; good && i < 3 * count && !pbwm3__ends_at(w, i, 65536); i++) {    /* fans: 0 none, 2 one, 1 several */
         if (parents.at[i] == i) {
             top->euler += flag[facets[i]] == 0;
             top->bad_points += flag[facets[i]] == 2;
@@ -5099,7 +5099,7 @@ static int pbwm3__examine(pbwm3__work *w, const pbw_index *facets, size_t count,
     }
     pbwim__end_sorting(memory, &sorting);
     PBW_RELEASE(memory, parents);
-    return good;
+    return good && !pbwm3__has_ended(w);
 }
 
 /* Gives the corners of facets separate numbers for each label; owner: their points.  Returns 0 without memory. */
