@@ -4092,7 +4092,7 @@ static int pbwm3__measure_chains(pbwm3__work *w)
         memset(heads.at, 0xff, heads.capacity * sizeof *heads.at);
         good = pbwm3__probe_chains(w, &probes, heads.at);
     }
-    for (i = 0; good && i < probes.count; i++) {
+    for (i = 0; good && i < probes.count && !pbwm3__ends_at(w, i, 256); i++) {
         const pbwm3__probe *probe = probes.at + i;
         double least = HUGE_VAL;
         for (k = 0; k < 27; k++) {
