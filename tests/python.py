@@ -207,6 +207,18 @@ def nearest_by_trying_all():
             d, p = tri.nearest(queries)
             equal(p, found[:, 0])
             equal(d, distances[:, 0])
+    for dim in (2, 3):                 # many calls with few queries share stars, which a pickle and a change leave out
+        points = np.random.default_rng(8).random((500, dim))
+        tri = pbw.Delaunay(points, incremental=True)
+        distances, found = tri.nearest(points[:70] + 0.01, 5)
+        for i in range(30):
+            d, p = tri.nearest(points[i] + 0.01, 5)
+            equal(p, found[i])
+            equal(d, distances[i])
+            check((tri._mesh._stars is not None) == (i >= 20))
+        equal(pickle.loads(pickle.dumps(tri)).nearest(points[:70] + 0.01, 5)[1], found)
+        tri.add_points([[0.5] * dim])
+        equal(tri.nearest([0.5] * dim)[1], 500)
     square = pbw.Delaunay([[0, 0], [1, 0], [0, 1], [1, 1]])
     d, p = square.nearest([[[0, 0], [1, 1]]], 6)
     check(d.shape == p.shape == (1, 2, 6))

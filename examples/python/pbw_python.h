@@ -51,8 +51,8 @@ pbw_mesh *pbw_python_live_view(pbw_live *live, int *status, size_t *points, size
 void pbw_python_copy_points(const pbw_mesh *mesh, double *points, double *weights);
 void pbw_python_try_all(const arrays *mesh, const double *queries, size_t count, int32_t *found);
 int pbw_python_locate(const arrays *a, const double *queries, size_t count, int32_t *found, int32_t *facets);
-int pbw_python_nearest(const arrays *a, const double *queries, size_t count, size_t k, int32_t *points,
-                       double *distances);
+int pbw_python_nearest(const arrays *a, const size_t *first, const int32_t *item, const double *queries, size_t count,
+                       size_t k, int32_t *points, double *distances);
 int pbw_python_coordinates(const arrays *a, const double *queries, size_t count, int scheme, pbw_lists *lists);
 int pbw_python_cells(const arrays *a, const double *box, const double *lattice, unsigned periodic, unsigned what,
                      pbw_cells *cells);

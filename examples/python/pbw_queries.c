@@ -42,14 +42,20 @@ int pbw_python_locate(const arrays *a, const double *queries, size_t count, int3
     return status;
 }
 
-int pbw_python_nearest(const arrays *a, const double *queries, size_t count, size_t k, int32_t *points,
-                       double *distances)
+/* first, item: of the stars, or NULL to have them made. */
+int pbw_python_nearest(const arrays *a, const size_t *first, const int32_t *item, const double *queries, size_t count,
+                       size_t k, int32_t *points, double *distances)
 {
     pbw_mesh mesh;
     pbw_options options;
+    pbw_lists stars = { 0 };
     watch w;
     pbw_python_view(a, &mesh, &options, &w);
-    return (int)pbw_nearest(&mesh, NULL, queries, count, k, &options, (pbw_index *)points, distances);
+    stars.count = a->point_count;
+    stars.first = first;
+    stars.item = (const pbw_index *)item;
+    return (int)pbw_nearest(&mesh, first != NULL ? &stars : NULL, queries, count, k, &options, (pbw_index *)points,
+                            distances);
 }
 
 int pbw_python_coordinates(const arrays *a, const double *queries, size_t count, int scheme, pbw_lists *lists)

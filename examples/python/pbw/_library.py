@@ -119,7 +119,7 @@ def _declare(library):
     library.pbw_python_try_all.restype = None
     library.pbw_python_try_all.argtypes = [arrays, doubles, size, ints]
     library.pbw_python_locate.argtypes = [arrays, doubles, size, ints, ints]
-    library.pbw_python_nearest.argtypes = [arrays, doubles, size, size, ints, doubles]
+    library.pbw_python_nearest.argtypes = [arrays, ctypes.c_void_p, ctypes.c_void_p, doubles, size, size, ints, doubles]
     library.pbw_python_coordinates.argtypes = [arrays, doubles, size, ctypes.c_int, ctypes.POINTER(_Lists)]
     library.pbw_python_cells.argtypes = [arrays, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_uint, ctypes.c_uint,
                                          ctypes.POINTER(_Cells)]
@@ -380,11 +380,12 @@ def _triangulate(points, weights, threads, progress):
 
 class Mesh:
     """points, weights (or None), simplices, neighbors, incident, canonical: as in pbw_mesh, -1 for PBW_NONE."""
-    __slots__ = ("points", "weights", "simplices", "neighbors", "incident", "canonical", "threads")
+    _STATE = "points", "weights", "simplices", "neighbors", "incident", "canonical", "threads"
+    __slots__ = *_STATE, "_calls", "_stars"          # calls of nearest with few queries; stars that they share, or None
 
     def __init__(self, points, weights, threads, progress, made=None):
         """made: the other arrays, where they are there already."""
-        self.points, self.weights, self.threads = points, weights, threads
+        self.points, self.weights, self.threads, self._calls, self._stars = points, weights, threads, 0, None
         self.simplices, self.neighbors, self.incident, self.canonical = (
             made or _triangulate(points, weights, threads, progress))
         for array in (points, self.simplices, self.neighbors, self.incident, self.canonical):
@@ -397,15 +398,16 @@ class Mesh:
         return Mesh(points, np.empty(0) if weighted else None, threads, None, ints)
 
     def __getstate__(self):
-        return {name: getattr(self, name) for name in self.__slots__}
+        return {name: getattr(self, name) for name in self._STATE}
 
     def __setstate__(self, state):
         """Takes the arrays of a pickle if they are a triangulation: the library follows their indices."""
         if isinstance(state, tuple):                 # of older versions
             state = state[1]
         try:
-            for name in self.__slots__:
+            for name in self._STATE:
                 setattr(self, name, state[name])
+            self._calls, self._stars = 0, None
             self._check()
         except (AttributeError, KeyError, TypeError) as e:
             raise ValueError("the pickle has no triangulation: %s" % e) from None
@@ -449,11 +451,20 @@ class Mesh:
         return found
 
     def nearest(self, queries, k):
-        """The k nearest points of each query, -1 where there are fewer, and their distances."""
+        """The k nearest points of each query, -1 where there are fewer, and their distances.
+
+        Without stars each call takes time in proportion to the points.  To make stars takes as long as about 20 such
+        calls: after 20 with few queries they are made and kept."""
         count = len(queries)
         found, distances = np.empty((count, k), np.int32), np.empty((count, k))
+        self._calls += count < len(self.points) // 8
+        if self._calls > 20 and self._stars is None and len(self.simplices) > 0:
+            first, items, _ = self._lists(len(self.points), _library.pbw_python_stars, self.points)
+            self._stars = first.astype(np.uintp), items
+        stars = [array.ctypes.data for array in self._stars] if self._stars else (None, None)
         _answer(self._arrays(), count,
-                lambda arrays: _library.pbw_python_nearest(arrays, queries, count, k, found, distances), queries)
+                lambda arrays: _library.pbw_python_nearest(arrays, *stars, queries, count, k, found, distances),
+                queries)
         return found, distances
 
     def _lists(self, count, ask, queries):
