@@ -305,7 +305,7 @@ typedef struct pbwfill__work {
                                               here, plus the corner */
     PBW_ARRAY(signed char) sign;           /* of each vertex: the side of a facet's plane that it is on, where
                                               seen_vertex has the facet's number plus 1; from >>exact on 1 */
-    PBW_ARRAY(uint32_t) seen_vertex;
+    PBW_ARRAY(uint32_t) seen_vertex;       /* in >>places 1: it was tried to move it, with its tetrahedra as they are */
     pbwfill__indices region;               /* of each tetrahedron */
     pbwfill__indices made_region;          /* of those made; empty: all are of the region of the cavity's first */
 } pbwfill__work;
@@ -5024,6 +5024,7 @@ static pbw_status pbwfill__mend(pbwfill__work *w, pbw_index t, int *done)
 {
     pbwfill__indices floor = { NULL, 0, 0 };         /* stays empty */
     pbw_status status = PBW_OK;
+    size_t i;
     int tries;
     *done = 0;
     for (tries = 0; tries < 2 * PBWFILL__CAVITIES && !*done && status == PBW_OK; tries++) {
@@ -5040,6 +5041,9 @@ static pbw_status pbwfill__mend(pbwfill__work *w, pbw_index t, int *done)
                : pbwfill__join_inside(w, middle);
         if (status == PBW_OK && pbwfill__made_of_all(w)) {
             *done = 1;
+            for (i = 0; i < 4 * w->made.count; i++) {
+                w->seen_vertex.at[w->made.at[i / 4].v[i % 4]] = 0;
+            }
             status = pbwfill__replace(w, PBW_NONE, &floor);
         }
         status = status == PBW_DEGENERATE ? PBW_OK : status;
@@ -5059,7 +5063,8 @@ static pbw_status pbwfill__note_turned(void *arg, size_t from, size_t to)
 }
 
 /* Moves v, which was rounded, so that all of its tetrahedra are positive, if there is such a place: anywhere inside,
-   or, at facets and wires, within 2^-42 of the largest coordinate.  Returns 0 without memory. */
+   or, at facets and wires, within 2^-42 of the largest coordinate.  Then its neighbours may find one, too.
+   Returns 0 without memory. */
 static int pbwfill__shift(pbwfill__work *w, pbw_index v)
 {
     double *at = w->x.at + PBWFILL__PLACE * (size_t)v, x[PBWFILL__PLACE], reach = 0;
@@ -5090,6 +5095,9 @@ static int pbwfill__shift(pbwfill__work *w, pbw_index v)
     pbwfill__climb(w, 1, x, inside ? reach / 4 : ldexp(fmax(fmax(fabs(x[0]), fabs(x[1])), fabs(x[2])), -48), 60);
     if (pbwfill__sees_all(w, 1, x)) {
         memcpy(at, x, sizeof x);
+        for (i = 0; i < 4 * w->cavity.count; i++) {
+            w->seen_vertex.at[w->tets.at[w->cavity.at[i / 4]].v[i % 4]] = 0;
+        }
     }
     return 1;
 }
@@ -5109,8 +5117,11 @@ static pbw_status pbwfill__mend_all(pbwfill__work *w, size_t vertices, size_t *m
         }
         for (k = 0; k < 4 && !done; k++) {
             const pbw_index v = w->tets.at[i].v[k];
-            if (v >= w->inputs + 8 && v < vertices && !pbwfill__shift(w, v)) {
-                return PBW_ERROR_MEMORY;
+            if (v >= w->inputs + 8 && v < vertices && !w->seen_vertex.at[v]) {
+                w->seen_vertex.at[v] = 1;
+                if (!pbwfill__shift(w, v)) {
+                    return PBW_ERROR_MEMORY;
+                }
             }
             done = !pbwfill__is_turned(w, i);
         }
@@ -5128,6 +5139,7 @@ static pbw_status pbwfill__find_places(pbwfill__work *w)
     size_t i, mended = 0, left = 1;
     w->made_region.count = 0;
     memset(w->sign.at, 1, w->sign.count);            /* one side only */
+    memset(w->seen_vertex.at, 0, w->seen_vertex.count * sizeof *w->seen_vertex.at);
     for (i = w->inputs + 8; i < vertices; i++) {
         double *x = w->x.at + PBWFILL__PLACE * i;
         if (x[3] > 0 && w->at.at[i] != PBW_NONE) {
