@@ -305,7 +305,7 @@ typedef struct pbwfill__work {
                                               here, plus the corner */
     PBW_ARRAY(signed char) sign;           /* of each vertex: the side of a facet's plane that it is on, where
                                               seen_vertex has the facet's number plus 1; from >>exact on 1 */
-    PBW_ARRAY(uint32_t) seen_vertex;       /* in >>places 1: it was tried to move it, with its tetrahedra as they are */
+    PBW_ARRAY(uint32_t) seen_vertex;       /* in >>places 1: a move was tried, with its tetrahedra as they are */
     pbwfill__indices region;               /* of each tetrahedron */
     pbwfill__indices made_region;          /* of those made; empty: all are of the region of the cavity's first */
 } pbwfill__work;

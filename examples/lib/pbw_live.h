@@ -51,7 +51,8 @@
      >>hints      where walks start, and what batches prefetch
      >>tasks      a batch of changes by many threads
      >>places     the vertices by their coordinates
-     >>change     a batch of queued changes, vertex by vertex
+     >>change     a batch of queued changes: the vertices that leave and arrive
+     >>batch      these, removed and inserted
      >>moves      points that keep their neighbours, or most
      >>commit     queued changes carried out
      >>view       the arrays of a live triangulation
@@ -4055,14 +4056,11 @@ PBW__INLINE void pbwl__place_prefetch(const pbwl__core *core, const double *x, i
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   >>change       A batch of queued changes, vertex by vertex.
-   In: a live triangulation with a queue.  Out: its core with the changes, and which simplices these made and
-   deleted; or both as they were.
-
-   Points at one place have one vertex, that of the largest weight, then of the lowest number.  A batch first updates
-   the numbers of all places, which tells the vertices that leave and arrive; then it removes and inserts these, each
-   along the curve.  Writes to tables are noted as edits, deleted simplices in the journal: both are undone if
-   something fails.
+   >>change       A batch of queued changes: the vertices that leave and arrive.
+   In: a live triangulation with a queue.  Out: lists of these vertices, along the curve; the numbers of all places,
+   as they will be.
+   Holds: points at one place have one vertex, that of the largest weight, then of the lowest number.  Writes to
+   tables are noted as edits, deleted simplices in the journal: both are undone if something fails.
    ------------------------------------------------------------------------------------------------------ */
 typedef struct pbwl__classes { pbw_live *live; size_t leave, arrive; } pbwl__classes;
 
@@ -4572,7 +4570,13 @@ static pbw_status pbwl__fit_grid(pbw_live *live, const pbw_index *list, size_t c
     return status;
 }
 
-/* ---- the changes of a batch, see >>tasks */
+
+/* ------------------------------------------------------------------------------------------------------
+   >>batch        The vertices that leave and arrive, removed and inserted.
+   In: their lists, of >>change.  Out: the core with the changes, or as it was.
+   Holds: of those that arrive, each starts its walk from a vertex near it that stays or came before: a neighbour of
+   the place that its number left, one of its cell of the table of starts, or the one before it on the curve.
+   ------------------------------------------------------------------------------------------------------ */
 static pbw_index pbwl__near_leaving(void *arg, pbwl__core *core, size_t i)
 {
     (void)core;

@@ -119,7 +119,8 @@ def _declare(library):
     library.pbw_python_try_all.restype = None
     library.pbw_python_try_all.argtypes = [arrays, doubles, size, ints]
     library.pbw_python_locate.argtypes = [arrays, doubles, size, ints, ints]
-    library.pbw_python_nearest.argtypes = [arrays, ctypes.c_void_p, ctypes.c_void_p, doubles, size, size, ints, doubles]
+    library.pbw_python_nearest.argtypes = [arrays, ctypes.c_void_p, ctypes.c_void_p, doubles, size, size, ints,
+                                           doubles]
     library.pbw_python_coordinates.argtypes = [arrays, doubles, size, ctypes.c_int, ctypes.POINTER(_Lists)]
     library.pbw_python_cells.argtypes = [arrays, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_uint, ctypes.c_uint,
                                          ctypes.POINTER(_Cells)]
@@ -381,7 +382,7 @@ def _triangulate(points, weights, threads, progress):
 class Mesh:
     """points, weights (or None), simplices, neighbors, incident, canonical: as in pbw_mesh, -1 for PBW_NONE."""
     _STATE = "points", "weights", "simplices", "neighbors", "incident", "canonical", "threads"
-    __slots__ = *_STATE, "_calls", "_stars"          # calls of nearest with few queries; stars that they share, or None
+    __slots__ = *_STATE, "_calls", "_stars"          # calls of nearest with few queries; stars that they share
 
     def __init__(self, points, weights, threads, progress, made=None):
         """made: the other arrays, where they are there already."""
