@@ -2112,7 +2112,9 @@ typedef struct pbwq__search {
     pbw__order4 pack[16];                            /* for each set of lanes the order that has these first */
     size_t bunch;                                    /* how many of the next queries try to share a list */
     double query[PBWQ__BUNCH][4];
-    double reach;                                    /* a square that is likely to hold k vertices */
+    double reach;                                    /* a square that is likely to hold k vertices, from the query
+                                                        before */
+    double most;                                     /* larger ones are not used: see pbwq__search_usual */
     double listed;                                   /* the square that the list reaches; 0: no list is shared */
     size_t height, leaves, count;
     uint64_t stack[(PBWQ__TREE_LEVELS + 1) * PBWQ__BRANCH];     /* nodes to look into: level << 32 | node */
@@ -2513,19 +2515,45 @@ PBW__SIMD_INLINE double pbwq__search_wider(pbwq__queries *queries, pbwq__scratch
     return most;
 }
 
+/* Returns a bound for the square of the last query's that the next one tries: 64 times what k vertices take of the
+   area of the box of all.  In space, for the cube of that square: the square of 4 times their volume.  A larger one
+   may hold most vertices: from afar the squares of all are in a short range. */
+static double pbwq__search_usual(const pbwq__queries *queries)
+{
+    const pbwq__tree *tree = queries->tree;
+    const int dim = queries->mesh->dim;
+    double part = 4.0 * (double)queries->k / (double)tree->count;
+    size_t i;
+    int k;
+    for (k = 0; k < dim; k++) {
+        double low = HUGE_VAL, high = -HUGE_VAL;
+        for (i = 0; i < tree->nodes[tree->top]; i++) {
+            const double *end = pbwq__tree_box(tree, dim, tree->top, i) + (size_t)k * 2 * PBWQ__BRANCH;
+            low = end[0] < low ? end[0] : low;
+            high = end[PBWQ__BRANCH] > high ? end[PBWQ__BRANCH] : high;
+        }
+        part *= dim == 3 ? high - low : 4.0 * (high - low);
+    }
+    return dim == 3 ? part * part : part;
+}
+
 /* Finds the k nearest of a query. */
 PBW__SIMD_INLINE void pbwq__search_of(pbwq__queries *queries, pbwq__scratch *scratch, pbwq__search *search,
                                       const double *q, int dim)
 {
-    double most = 0.0;
+    double most = search->reach;
     search->count = 0;
     if (search->listed > 0.0) {
-        most = search->reach < search->listed ? search->reach : search->listed;
+        most = most < search->listed ? most : search->listed;
         most = pbwq__search_gather(queries, scratch, search, q, most, dim);
         if (search->count < queries->k) {
             search->count = 0;
             most = pbwq__search_gather(queries, scratch, search, q, search->listed, dim);
         }
+    } else if (dim == 3 ? most * most * most < search->most : most < search->most) {
+        most = most > 0.0 ? pbwq__search_alone(queries, scratch, search, q, most, dim) : 0.0;
+    } else {
+        most = 0.0;
     }
     if (search->count < queries->k) {
         most = pbwq__search_wider(queries, scratch, search, q, most, dim);
@@ -2579,6 +2607,7 @@ PBW__SIMD static void pbwq__search_block(pbwq__queries *queries, pbwq__scratch *
         return;
     }
     search.reach = 0.0;
+    search.most = pbwq__search_usual(queries);
     search.bunch = 1;
     for (set = 0; set < 16; set++) {
         int32_t order[4] = { 0, 0, 0, 0 };
