@@ -2499,17 +2499,17 @@ PBW__SIMD_INLINE double pbwq__search_limit(const pbwq__queries *queries, int dim
     return scratch->found_count < queries->k ? HUGE_VAL : pbwq__square_limit(&farthest);
 }
 
-/* Gathers all vertices with squares up to a limit larger than `tried` that holds k of them.  Returns the limit.  It
-   grows from the square of a near leaf: from afar the squares of all vertices are in a short range. */
+/* Gathers all vertices with squares up to a limit larger than `tried` that holds k of them.  Returns the limit.  From
+   afar, where the squares of all vertices are in a short range, it grows from the square of a near leaf. */
 PBW__SIMD_INLINE double pbwq__search_wider(pbwq__queries *queries, pbwq__scratch *scratch, pbwq__search *search,
                                            const double *q, double tried, int dim)
 {
     const double away = pbwq__search_start(queries, scratch, q);
-    const double limit = pbwq__search_limit(queries, dim, scratch, q);
-    double step = pbw__max((limit - away) / 256.0, tried - away), most;
+    const double limit = pbwq__search_limit(queries, dim, scratch, q), from = away > 0.9 * limit ? away : 0.0;
+    double step = pbw__max((limit - from) / 256.0, tried - from), most;
     do {
         step *= 2.5;
-        most = away + step < limit ? away + step : limit;      /* the limit for the NaN of an overflow too */
+        most = from + step < limit ? from + step : limit;      /* the limit for the NaN of an overflow too */
         most = pbwq__search_alone(queries, scratch, search, q, most, dim);
     } while (search->count < queries->k && most < limit);
     return most;

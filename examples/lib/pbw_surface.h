@@ -2152,13 +2152,15 @@ static pbw_status pbwsf__pair_range(void *arg, size_t from, size_t to)
    part `at`. */
 static int pbwsf__rod_part(const pbwsf__search *s, size_t node, size_t at, pbwsf__turned *part, double way[3])
 {
-    const size_t child = 2 * node + 1 + at, item = PBWSF__LEAF * (node - s->first_leaf) + at / 3;
-    const pbw_index *c = s->corners.at + 3 * item;
+    const size_t child = 2 * node + 1 + at;
     int k;
     if (node >= s->first_leaf) {
+        const size_t item = PBWSF__LEAF * (node - s->first_leaf) + at / 3;
+        const pbw_index *c;
         if (at >= 3 * PBWSF__LEAF || item >= s->items.count) {
             return 0;
         }
+        c = s->corners.at + 3 * item;
         memset(part, 0, sizeof *part);
         memcpy(part->middle, s->places.at[c[at % 3]], sizeof part->middle);
         pbwsf__minus(s->places.at[c[(at + 1) % 3]], part->middle, way);
