@@ -2499,14 +2499,15 @@ PBW__SIMD_INLINE double pbwq__search_limit(const pbwq__queries *queries, int dim
     return scratch->found_count < queries->k ? HUGE_VAL : pbwq__square_limit(&farthest);
 }
 
-/* Gathers all vertices with squares up to a limit larger than `tried` that holds k of them.  Returns the limit.  From
-   afar, where the squares of all vertices are in a short range, it grows from the square of a near leaf. */
+/* Gathers all vertices with squares up to a limit that holds k of them, larger than `tried`, the one that the query
+   before suggests; 0: none, as from afar.  There the squares of all vertices are in a short range, so it grows from
+   that of a near leaf. */
 PBW__SIMD_INLINE double pbwq__search_wider(pbwq__queries *queries, pbwq__scratch *scratch, pbwq__search *search,
                                            const double *q, double tried, int dim)
 {
-    const double away = pbwq__search_start(queries, scratch, q);
-    const double limit = pbwq__search_limit(queries, dim, scratch, q), from = away > 0.9 * limit ? away : 0.0;
-    double step = pbw__max((limit - from) / 256.0, tried - from), most;
+    const double away = pbwq__search_start(queries, scratch, q), from = tried > 0.0 ? 0.0 : away;
+    const double limit = pbwq__search_limit(queries, dim, scratch, q);
+    double step = pbw__max((limit - from) / 256.0, tried), most;
     do {
         step *= 2.5;
         most = from + step < limit ? from + step : limit;      /* the limit for the NaN of an overflow too */
