@@ -2112,9 +2112,8 @@ typedef struct pbwq__search {
     pbw__order4 pack[16];                            /* for each set of lanes the order that has these first */
     size_t bunch;                                    /* how many of the next queries try to share a list */
     double query[PBWQ__BUNCH][4];
-    double reach;                                    /* a square that is likely to hold k vertices, from the query
-                                                        before */
-    double most;                                     /* larger ones are not used: see pbwq__search_usual */
+    double reach;                                    /* a square that is likely to hold k vertices */
+    double low[3], high[3];                          /* the box of all vertices */
     double listed;                                   /* the square that the list reaches; 0: no list is shared */
     size_t height, leaves, count;
     uint64_t stack[(PBWQ__TREE_LEVELS + 1) * PBWQ__BRANCH];     /* nodes to look into: level << 32 | node */
@@ -2451,18 +2450,16 @@ PBW__SIMD_INLINE double pbwq__search_alone(pbwq__queries *queries, pbwq__scratch
     return most;
 }
 
-/* Puts k successive vertices, or all, from the leaf that is reached by near boxes into scratch->found.  Returns the
-   square of the distance of its box. */
-static double pbwq__search_start(const pbwq__queries *queries, pbwq__scratch *scratch, const double *q)
+/* Puts k successive vertices, or all, from the leaf that is reached by near boxes into scratch->found. */
+static void pbwq__search_start(const pbwq__queries *queries, pbwq__scratch *scratch, const double *q)
 {
     const pbwq__tree *tree = queries->tree;
     const size_t dim = (size_t)queries->mesh->dim, count = queries->k < tree->count ? queries->k : tree->count;
-    double least = HUGE_VAL;
     size_t node = 0, i, k;
     int level;
     for (level = tree->top; level >= 0; level--) {
         const size_t first = node * PBWQ__BRANCH;
-        least = HUGE_VAL;
+        double least = HUGE_VAL;
         node = first;
         for (i = first; i < first + PBWQ__BRANCH && i < tree->nodes[level]; i++) {
             const double *box = pbwq__tree_box(tree, (int)dim, level, i);
@@ -2481,7 +2478,6 @@ static double pbwq__search_start(const pbwq__queries *queries, pbwq__scratch *sc
         scratch->found[i].vertex = tree->vertex[node + i];
     }
     scratch->found_count = count;
-    return least;
 }
 
 /* Returns a limit for the squares of the k nearest, from the farthest of k vertices in scratch->found. */
@@ -2499,43 +2495,50 @@ PBW__SIMD_INLINE double pbwq__search_limit(const pbwq__queries *queries, int dim
     return scratch->found_count < queries->k ? HUGE_VAL : pbwq__square_limit(&farthest);
 }
 
-/* Gathers all vertices with squares up to a limit that holds k of them, larger than `tried`, the one that the query
-   before suggests; 0: none, as from afar.  There the squares of all vertices are in a short range, so it grows from
-   that of a near leaf. */
-PBW__SIMD_INLINE double pbwq__search_wider(pbwq__queries *queries, pbwq__scratch *scratch, pbwq__search *search,
-                                           const double *q, double tried, int dim)
+/* Sets the box of all vertices. */
+static void pbwq__search_box(const pbwq__tree *tree, pbwq__search *search, int dim)
 {
-    const double away = pbwq__search_start(queries, scratch, q), from = tried > 0.0 ? 0.0 : away;
-    const double limit = pbwq__search_limit(queries, dim, scratch, q);
-    double step = pbw__max((limit - from) / 256.0, tried), most;
-    do {
-        step *= 2.5;
-        most = from + step < limit ? from + step : limit;      /* the limit for the NaN of an overflow too */
-        most = pbwq__search_alone(queries, scratch, search, q, most, dim);
-    } while (search->count < queries->k && most < limit);
-    return most;
-}
-
-/* Returns a bound for the square of the last query's that the next one tries: 64 times what k vertices take of the
-   area of the box of all.  In space, for the cube of that square: the square of 4 times their volume.  A larger one
-   may hold most vertices: from afar the squares of all are in a short range. */
-static double pbwq__search_usual(const pbwq__queries *queries)
-{
-    const pbwq__tree *tree = queries->tree;
-    const int dim = queries->mesh->dim;
-    double part = 4.0 * (double)queries->k / (double)tree->count;
     size_t i;
     int k;
     for (k = 0; k < dim; k++) {
-        double low = HUGE_VAL, high = -HUGE_VAL;
+        search->low[k] = HUGE_VAL;
+        search->high[k] = -HUGE_VAL;
         for (i = 0; i < tree->nodes[tree->top]; i++) {
             const double *end = pbwq__tree_box(tree, dim, tree->top, i) + (size_t)k * 2 * PBWQ__BRANCH;
-            low = end[0] < low ? end[0] : low;
-            high = end[PBWQ__BRANCH] > high ? end[PBWQ__BRANCH] : high;
+            search->low[k] = end[0] < search->low[k] ? end[0] : search->low[k];
+            search->high[k] = end[PBWQ__BRANCH] > search->high[k] ? end[PBWQ__BRANCH] : search->high[k];
         }
-        part *= dim == 3 ? high - low : 4.0 * (high - low);
     }
-    return dim == 3 ? part * part : part;
+}
+
+/* Returns the square of the distance of a query from the box of all vertices. */
+PBW__SIMD_INLINE double pbwq__search_away(const pbwq__search *search, const double *q, int dim)
+{
+    double sum = 0.0;
+    int k;
+    for (k = 0; k < dim; k++) {
+        const double away = pbw__max(pbw__max(search->low[k] - q[k], q[k] - search->high[k]), 0.0);
+        sum += away * away;
+    }
+    return sum;
+}
+
+/* Gathers all vertices with squares up to a limit larger than `tried` that holds k of them.  Returns the limit.  It
+   grows from the square of the box of all: from afar the squares of all vertices are in a short range. */
+PBW__SIMD_INLINE double pbwq__search_wider(pbwq__queries *queries, pbwq__scratch *scratch, pbwq__search *search,
+                                           const double *q, double tried, int dim)
+{
+    const double away = pbwq__search_away(search, q, dim);
+    double limit, step, most;
+    pbwq__search_start(queries, scratch, q);
+    limit = pbwq__search_limit(queries, dim, scratch, q);
+    step = pbw__max((limit - away) / 256.0, tried - away);
+    do {
+        step *= 2.5;
+        most = away + step < limit ? away + step : limit;      /* the limit for the NaN of an overflow too */
+        most = pbwq__search_alone(queries, scratch, search, q, most, dim);
+    } while (search->count < queries->k && most < limit);
+    return most;
 }
 
 /* Finds the k nearest of a query. */
@@ -2551,8 +2554,8 @@ PBW__SIMD_INLINE void pbwq__search_of(pbwq__queries *queries, pbwq__scratch *scr
             search->count = 0;
             most = pbwq__search_gather(queries, scratch, search, q, search->listed, dim);
         }
-    } else if (dim == 3 ? most * most * most < search->most : most < search->most) {
-        most = most > 0.0 ? pbwq__search_alone(queries, scratch, search, q, most, dim) : 0.0;
+    } else if (most > 2.0 * pbwq__search_away(search, q, dim)) {         /* else it may hold most vertices */
+        most = pbwq__search_alone(queries, scratch, search, q, most, dim);
     } else {
         most = 0.0;
     }
@@ -2608,7 +2611,7 @@ PBW__SIMD static void pbwq__search_block(pbwq__queries *queries, pbwq__scratch *
         return;
     }
     search.reach = 0.0;
-    search.most = pbwq__search_usual(queries);
+    pbwq__search_box(queries->tree, &search, queries->mesh->dim);
     search.bunch = 1;
     for (set = 0; set < 16; set++) {
         int32_t order[4] = { 0, 0, 0, 0 };
