@@ -696,8 +696,8 @@ static void test_failures(void)
     }
 }
 
-/* Returns how many steps the search for crossings takes in a closed row of needles, turned: in a plane, or around a
-   waist, where each has a direction of its own.  room, ids: for 2 * needles points, and as many triangles. */
+/* Returns how many steps the search for crossings takes in a closed row of turned needles: side by side in a plane, or
+   around a waist, where no two are parallel.  room: 6 * needles doubles; ids: 6 * needles numbers. */
 static size_t steps_of_needles(size_t needles, int around, double *room, pbw_index *ids)
 {
     const double c = cos(0.7), d = sin(0.7), e = cos(0.3), g = sin(0.3);

@@ -1733,8 +1733,8 @@ static void pbwl__swap_hidden(pbwl__core *core)
    In: points and their numbers.  Out: a core that triangulates them, in space with its slots along the curve.
    Holds: the invariants of >>core; the journal is empty.
    ------------------------------------------------------------------------------------------------------ */
-/* The points with the numbers in `list`, contiguous and in that order.  list NULL: those of all numbers, which are
-   somebody else's. */
+/* The points with the numbers in `list`, contiguous and in that order.  list NULL: the points of all numbers, in the
+   arrays of the live triangulation, which owns them; room is 0 then. */
 typedef struct pbwl__gathered {
     double *points, *weights;
     pbw_index *list;
@@ -1793,8 +1793,8 @@ static pbw_status pbwl__core_scan(pbwl__core *core)
 {
     pbw__kernel *kernel = &core->kernel;
     pbw_index v, container;
-    pbw__set_bytes(kernel->context, core->incident, 0xff,           /* PBW_NONE */
-                    core->incident_capacity * sizeof(pbw_index));
+    pbw__set_bytes(kernel->context, core->incident, 0xff,            /* PBW_NONE */
+                   core->incident_capacity * sizeof(pbw_index));
     pbwl__scan_slots(core, 1);
     if (!pbwl__journal_reserve(core)) {
         return PBW_ERROR_MEMORY;
@@ -3443,9 +3443,8 @@ static pbw_status pbwl__start_fill(void *arg, size_t from, size_t to)
     return PBW_OK;
 }
 
-/* Makes the table once there have been enough walks to pay for it, at once if there are `tasks`; and makes it again
-   after as many walks as there are vertices: these may have moved, and be more.  Without it, a walk among n vertices
-   crosses some n^(1/2) triangles or n^(1/3) tetrahedra; the table takes as long as n^(1/2) / 8 walks. */
+/* Makes the table of starts: at once if there are `tasks`, else after n^(1/2) / 8 walks among n vertices, which take
+   about as long as the table.  Makes it again after n walks, as vertices move and are added. */
 static void pbwl__start_table(pbwl__core *core, size_t walks, int tasks)
 {
     const size_t cells = core->vertex_count / 2 + 1;
@@ -3658,7 +3657,8 @@ static void pbwl__journal_expect(const pbwl__changing *batch, pbwl__core *core, 
     (void)PBWL__CORE_GROW(core, used_slot, core->used_slot_count + batch->slots * count);
 }
 
-/* Sets the range of a share whose blocks `taken` says are not taken.  Returns how many blocks these are. */
+/* Sets the range of those changes of a share that no task has taken, by the share's word `taken`.  Returns how many
+   blocks they are. */
 static size_t pbwl__batch_rest(const pbwl__changing *batch, int share, uint32_t taken, size_t *from, size_t *to)
 {
     const size_t begin = pbw__share(batch->round_count, share, batch->parts);
@@ -4569,7 +4569,6 @@ static pbw_status pbwl__fit_grid(pbw_live *live, const pbw_index *list, size_t c
     }
     return status;
 }
-
 
 /* ------------------------------------------------------------------------------------------------------
    >>batch        The vertices that leave and arrive, removed and inserted.

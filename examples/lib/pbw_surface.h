@@ -983,8 +983,8 @@ typedef struct pbwsf__rod {                /* a turned box around the triangles 
 
 typedef struct pbwsf__slab {               /* of the triangles of a leaf */
     float low[3][PBWSF__LEAF], high[3][PBWSF__LEAF];
-    pbw_index proven[3][PBWSF__LEAF];      /* corners whose triangles do not cross each other, by the star's signs;
-                                              PBW_NONE: signs do not prove it */
+    pbw_index proven[3][PBWSF__LEAF];      /* a triangle's corners, if signs prove that no two triangles around the
+                                              corner cross; else PBW_NONE */
 } pbwsf__slab;
 
 #define PBWSF__LEFT ((size_t)-1)
